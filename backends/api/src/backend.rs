@@ -1,0 +1,109 @@
+//! The trait that every launcher implements.
+
+#[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+
+use crate::BufferId;
+#[cfg(feature = "alloc")]
+use crate::{Binding, BufferDesc, Error, Kernel, Primitive, Status};
+
+/// How many items a dispatch has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Items {
+    /// A number known to the caller.
+    Count(u32),
+    /// The word `index` of `buffer` at the time of the launch, at most `max`.
+    FromBuffer {
+        /// Holds the count.
+        buffer: BufferId,
+        /// Which word.
+        index: u32,
+        /// Upper bound; bindings must suffice for it.
+        max: u32,
+    },
+}
+
+/// A claim on a value that will be ready later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Ticket(
+    /// The backend's number for it.
+    pub u64,
+);
+
+/// Owns buffers, launches kernels.
+///
+/// Dispatches and primitives are recorded and run, in order, by [`Backend::submit`]. What a read returns is the state
+/// after everything submitted before it.
+///
+/// # Laws
+/// Creating zero-fills. A write, dispatch or read with bad arguments returns an error and changes nothing. A kernel
+/// whose body obeys the access modes of its bindings gives equal integer results on every backend and for every
+/// number of threads.
+#[cfg(feature = "alloc")]
+pub trait Backend {
+    /// The backend's name: `serial`, `rayon`, `wgpu`.
+    fn name(&self) -> &'static str;
+
+    /// Largest size of one binding in bytes.
+    fn max_binding_size(&self) -> u64;
+
+    /// Creates a zero-filled buffer.
+    ///
+    /// # Errors
+    /// [`Error::BadSize`], [`Error::OutOfMemory`].
+    fn create(&mut self, desc: &BufferDesc) -> Result<BufferId, Error>;
+
+    /// Releases a buffer.
+    ///
+    /// # Errors
+    /// [`Error::UnknownBuffer`].
+    fn destroy(&mut self, buffer: BufferId) -> Result<(), Error>;
+
+    /// Copies `bytes` (a multiple of 4) to `offset` (a multiple of 4), after all submitted work.
+    ///
+    /// # Errors
+    /// [`Error::UnknownBuffer`], [`Error::BadRange`].
+    fn write(&mut self, buffer: BufferId, offset: u64, bytes: &[u8]) -> Result<(), Error>;
+
+    /// Records a dispatch of `kernel` over `items`.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the arguments, see [`Error`].
+    fn dispatch(
+        &mut self,
+        kernel: &'static Kernel,
+        params: &[u8],
+        bindings: &[Binding],
+        items: Items,
+    ) -> Result<(), Error>;
+
+    /// Records a primitive.
+    ///
+    /// # Errors
+    /// [`Error::UnknownBuffer`], [`Error::BindingTooSmall`], [`Error::Aliased`], [`Error::Unsupported`].
+    fn primitive(&mut self, primitive: Primitive) -> Result<(), Error>;
+
+    /// Runs everything recorded, in order. The flags of each dispatch can be had by [`Backend::statuses`].
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], [`Error::Shader`].
+    fn submit(&mut self) -> Result<(), Error>;
+
+    /// Waits for the submitted work and returns kernel name and flags of each dispatch since the last call, in order.
+    ///
+    /// # Errors
+    /// [`Error::NotRun`] when a dispatch with items never ran, [`Error::DeviceLost`].
+    fn statuses(&mut self) -> Result<Vec<(&'static str, Status)>, Error>;
+
+    /// Asks for bytes of a buffer as they stand after all submitted work.
+    ///
+    /// # Errors
+    /// [`Error::UnknownBuffer`], [`Error::BadRange`].
+    fn read(&mut self, buffer: BufferId, offset: u64, size: u64) -> Result<Ticket, Error>;
+
+    /// The bytes asked for, or `None` while they are not ready; `wait` blocks until they are (where the platform can).
+    ///
+    /// # Errors
+    /// [`Error::UnknownTicket`], [`Error::DeviceLost`].
+    fn redeem(&mut self, ticket: Ticket, wait: bool) -> Result<Option<Vec<u8>>, Error>;
+}

@@ -1,0 +1,1 @@
+//! Serial and rayon launchers of hashcache kernels, and ray casting on the CPU.

@@ -1,0 +1,1 @@
+//! wgpu launcher of hashcache kernels.

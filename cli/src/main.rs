@@ -1,0 +1,3 @@
+//! The `hashcache` command.
+
+fn main() {}

@@ -1,0 +1,3 @@
+//! Links without std.
+
+fn main() {}

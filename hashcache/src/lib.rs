@@ -1,0 +1,1 @@
+//! Global-illumination caching for interactive previews: plan, pipeline, statistics.

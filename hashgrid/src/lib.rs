@@ -1,0 +1,1 @@
+//! A jittered spatial hash of light path vertices (path space filtering).

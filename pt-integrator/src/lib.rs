@@ -1,0 +1,1 @@
+//! Path tracing that records its vertices: camera, samplers, BSDFs, lights.

@@ -1,0 +1,1 @@
+//! glTF files, images and environment maps as scene data for hashcache.
