@@ -1,0 +1,31 @@
+//! What is rendered: surfaces, materials, textures, cameras, environment.
+//!
+//! [`SceneData`] (feature `alloc`) owns a scene as a loader builds it. `SceneView` borrows what path tracing reads;
+//! `PackedScene` makes one out of the other.
+
+mod camera;
+#[cfg(feature = "alloc")]
+mod data;
+#[cfg(feature = "alloc")]
+mod environment;
+#[cfg(feature = "alloc")]
+mod error;
+mod material;
+mod shading;
+mod texture;
+#[cfg(feature = "alloc")]
+mod validate;
+
+pub use camera::{Camera, CameraError};
+#[cfg(feature = "alloc")]
+pub use data::SceneData;
+#[cfg(feature = "alloc")]
+pub use environment::{Environment, EnvironmentImage};
+#[cfg(feature = "alloc")]
+pub use error::SceneError;
+pub use material::Material;
+pub use shading::TriangleShading;
+pub use texture::{Texture, Wrap};
+
+/// An index that points at nothing.
+pub const NONE: u32 = u32::MAX;
