@@ -1,1 +1,3 @@
 //! Serial and rayon launchers of hashcache kernels, and ray casting on the CPU.
+
+pub mod rays;

@@ -1,0 +1,5 @@
+//! Ray casting on the CPU.
+
+mod scene;
+
+pub use scene::CpuScene;
