@@ -23,6 +23,16 @@ pub enum Items {
     },
 }
 
+impl Items {
+    /// The most items that can come to run.
+    pub const fn max(self) -> u32 {
+        match self {
+            Self::Count(count) => count,
+            Self::FromBuffer { max, .. } => max,
+        }
+    }
+}
+
 /// A claim on a value that will be ready later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Ticket(

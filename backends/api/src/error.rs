@@ -96,6 +96,11 @@ pub enum Error {
     },
     /// A ticket that was never given out or was redeemed before.
     UnknownTicket,
+    /// A pool of so many threads could not be started.
+    Threads {
+        /// The number asked for.
+        wanted: u32,
+    },
 }
 
 impl fmt::Display for Error {
@@ -128,6 +133,7 @@ impl fmt::Display for Error {
             Self::DeviceLost => f.write_str("the GPU device was lost"),
             Self::OutOfMemory { size } => write!(f, "not enough memory for {size} bytes"),
             Self::UnknownTicket => f.write_str("the ticket was never given out, or was redeemed before"),
+            Self::Threads { wanted } => write!(f, "a pool of {wanted} threads could not be started"),
         }
     }
 }

@@ -15,6 +15,13 @@ pub enum Access {
     AtomicU64,
 }
 
+impl Access {
+    /// Whether items may change the buffer.
+    pub const fn writes(self) -> bool {
+        !matches!(self, Self::In)
+    }
+}
+
 /// One storage buffer a kernel works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BindingDecl {
@@ -22,7 +29,8 @@ pub struct BindingDecl {
     pub name: &'static str,
     /// How the kernel touches it.
     pub access: Access,
-    /// Bytes of one element, a multiple of 4.
+    /// Bytes of one element, a multiple of 4 above 0 (of 8 for [`Access::AtomicU64`]); the binding holds a whole number
+    /// of them, at least one.
     pub stride: u32,
 }
 
@@ -48,7 +56,7 @@ pub struct Kernel {
     pub name: &'static str,
     /// Storage buffers in binding order, at most five.
     pub bindings: &'static [BindingDecl],
-    /// Bytes of the parameter block, a multiple of 16, or 0 for none.
+    /// Bytes of the parameter block, a multiple of 16 up to [`Kernel::MAX_PARAMS`], or 0 for none.
     pub params_size: u32,
     /// The host's body: runs the launch's items one after the other.
     pub body: fn(&mut Launch<'_>),
@@ -56,4 +64,40 @@ pub struct Kernel {
     pub wgsl: Option<Wgsl>,
     /// Whether the body casts rays, so that the launch needs geometry.
     pub casts_rays: bool,
+}
+
+impl Kernel {
+    /// Most storage buffers of one kernel: with the four of ray casting and the status word they fill the ten that
+    /// every GPU offers to a shader stage.
+    pub const MAX_BINDINGS: usize = 5;
+
+    /// Most bytes of the parameter block: what every GPU offers as a uniform buffer.
+    pub const MAX_PARAMS: u32 = 65_536;
+
+    /// Most invocations of one workgroup that every GPU offers.
+    pub const MAX_WORKGROUP: u32 = 256;
+
+    /// Whether the declaration keeps the rules of its fields. A backend refuses a kernel that does not; a crate finds
+    /// out at compile time by `const _: () = assert!(KERNEL.is_well_formed());`.
+    pub const fn is_well_formed(&self) -> bool {
+        if self.bindings.len() > Self::MAX_BINDINGS
+            || !self.params_size.is_multiple_of(16)
+            || self.params_size > Self::MAX_PARAMS
+        {
+            return false;
+        }
+        let mut k = 0;
+        while k < self.bindings.len() {
+            let BindingDecl { access, stride, .. } = self.bindings[k];
+            let unit = if matches!(access, Access::AtomicU64) { 8 } else { 4 };
+            if stride == 0 || !stride.is_multiple_of(unit) {
+                return false;
+            }
+            k += 1;
+        }
+        match &self.wgsl {
+            Some(wgsl) => wgsl.workgroup_size > 0 && wgsl.workgroup_size <= Self::MAX_WORKGROUP,
+            None => true,
+        }
+    }
 }

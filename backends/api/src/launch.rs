@@ -1,7 +1,9 @@
 //! What a kernel's host body sees of one launch.
 
 use core::mem;
-use core::sync::atomic::{AtomicU32, AtomicU64};
+use core::sync::atomic::AtomicU32;
+#[cfg(target_has_atomic = "64")]
+use core::sync::atomic::AtomicU64;
 
 use bytemuck::Pod;
 
@@ -15,7 +17,8 @@ pub enum Slot<'a> {
     Out(&'a mut [u8]),
     /// The whole bound range as 32-bit atomics.
     AtomicU32(&'a [AtomicU32]),
-    /// The whole bound range as 64-bit atomics.
+    /// The whole bound range as 64-bit atomics, where the target has them.
+    #[cfg(target_has_atomic = "64")]
     AtomicU64(&'a [AtomicU64]),
 }
 
@@ -79,10 +82,11 @@ impl<'a> Launch<'a> {
         }
     }
 
-    /// An `AtomicU64` binding.
+    /// An `AtomicU64` binding, where the target has such atomics.
     ///
     /// # Panics
     /// When the binding is not `AtomicU64`.
+    #[cfg(target_has_atomic = "64")]
     pub fn atomic_u64(&self, slot: usize) -> &'a [AtomicU64] {
         match &self.slots[slot] {
             Slot::AtomicU64(words) => words,

@@ -9,12 +9,15 @@ extern crate alloc;
 
 mod backend;
 mod buffer;
+pub mod check;
 mod error;
 mod kernel;
 mod launch;
-mod primitive;
+pub mod primitive;
 mod rays;
 mod status;
+#[cfg(feature = "alloc")]
+mod table;
 
 #[cfg(feature = "alloc")]
 pub use backend::Backend;
@@ -26,3 +29,5 @@ pub use launch::{Launch, Slot};
 pub use primitive::Primitive;
 pub use rays::{HitRecord, RayRecord, TraceRays};
 pub use status::Status;
+#[cfg(feature = "alloc")]
+pub use table::BufferTable;
