@@ -4,7 +4,14 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+pub mod counters;
+pub mod error;
+pub mod exact;
+pub mod float;
 pub mod geometry;
+pub mod hash;
+pub mod level;
+pub mod pack;
 pub mod record;
 pub mod traits;
 
