@@ -1,0 +1,297 @@
+//! Every setting, by its dotted name.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use serde_json::{Map, Value};
+
+use crate::choice::{BackendKind, CacheKind, Choice, DirectLight, FilterKind, IntegratorKind, Launcher, SamplerKind, VisibilityKind};
+
+/// Largest picture side in pixels.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// Largest number of samples a pixel: sample indices stay below 2²⁴, where the sampler's points are distinct in `f32`.
+pub const MAX_SPP: u32 = 1 << 24;
+
+/// Largest `max_bounces`.
+pub const MAX_BOUNCES: u32 = 1024;
+
+/// What a preview is rendered with. Defaults are those of the command line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// `backend`: where kernels run.
+    pub backend: BackendKind,
+    /// `integrator`: how light is transported.
+    pub integrator: IntegratorKind,
+    /// `cache`: where light is shared between paths.
+    pub cache: CacheKind,
+    /// `visibility`: how shadow rays are answered.
+    pub visibility: VisibilityKind,
+    /// `filter`: how the picture is filtered.
+    pub filter: FilterKind,
+    /// `spp`: samples a pixel, 1 to [`MAX_SPP`].
+    pub spp: u32,
+    /// `size`: columns × rows; `None`: what the scene asks for, else 512×512.
+    pub size: Option<(u32, u32)>,
+    /// `camera`: a camera's name or index in the file, or a camera file; `None`: the file's first.
+    pub camera: Option<String>,
+    /// `env`: an environment map that replaces the scene's.
+    pub env: Option<PathBuf>,
+    /// `env_scale`: factor on the environment's radiance, at least 0.
+    pub env_scale: f32,
+    /// `max_bounces`: surface scatterings at most; 0 shows only emission seen directly.
+    pub max_bounces: u32,
+    /// `seed`: of every random decision.
+    pub seed: u32,
+    /// `threads`: 0 for one a core.
+    pub threads: u32,
+    /// `cpu.launcher`: how the CPU backend runs kernels.
+    pub launcher: Launcher,
+    /// `path.sampler`: random numbers of paths.
+    pub sampler: SamplerKind,
+    /// `path.roulette_depth`: Russian roulette from this path segment on; `None` (`off`): none.
+    pub roulette_depth: Option<u32>,
+    /// `cache.direct`: whether direct light comes from the cache or from the pixel's own shadow rays.
+    pub direct: DirectLight,
+    /// `grid.cell`: size of a cell in pixel footprints, above 0.
+    pub grid_cell: f32,
+    /// `grid.jitter`: half the width of the jitter in cells, 0 to 1.
+    pub grid_jitter: f32,
+    /// `grid.normal_bins`: bins of normals along a side of the cube of directions, odd.
+    pub grid_normal_bins: u32,
+    /// `grid.slots`: cells that the table has room for, a power of two; `None` (`auto`): from the picture's size.
+    pub grid_slots: Option<u32>,
+    /// `grid.max_probes`: slots tried for a key, 1 to 64.
+    pub grid_max_probes: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            backend: BackendKind::Cpu,
+            integrator: IntegratorKind::Path,
+            cache: CacheKind::Grid,
+            visibility: VisibilityKind::Exact,
+            filter: FilterKind::None,
+            spp: 1,
+            size: None,
+            camera: None,
+            env: None,
+            env_scale: 1.0,
+            max_bounces: 8,
+            seed: 0,
+            threads: 0,
+            launcher: Launcher::Rayon,
+            sampler: SamplerKind::Sobol,
+            roulette_depth: None,
+            direct: DirectLight::Cached,
+            grid_cell: 16.0,
+            grid_jitter: 0.5,
+            grid_normal_bins: 3,
+            grid_slots: None,
+            grid_max_probes: 32,
+        }
+    }
+}
+
+/// A setting that does not exist or a value it does not take.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SettingsError {
+    /// No setting has this name.
+    #[error("{key}: no setting has this name; there are {}", Settings::keys().join(", "))]
+    UnknownKey {
+        /// The name given.
+        key: String,
+    },
+    /// The setting does not take this value.
+    #[error("{key}={value}: not possible; {key} takes {expected}")]
+    BadValue {
+        /// The setting.
+        key: &'static str,
+        /// The value given.
+        value: String,
+        /// What it takes.
+        expected: String,
+    },
+    /// Two settings that do not go together.
+    #[error("{first} does not go with {second}; {instead}")]
+    Conflict {
+        /// The one, with its value.
+        first: String,
+        /// The other, with its value.
+        second: String,
+        /// What to use instead.
+        instead: String,
+    },
+}
+
+struct Row {
+    key: &'static str,
+    get: fn(&Settings) -> Value,
+    /// Sets, or tells what the setting takes.
+    set: fn(&mut Settings, &str) -> Result<(), String>,
+}
+
+macro_rules! choice {
+    ($key:literal, $field:ident) => {
+        Row {
+            key: $key,
+            get: |s| s.$field.name().into(),
+            set: |s, v| {
+                s.$field = Choice::parse(v)?;
+                Ok(())
+            },
+        }
+    };
+}
+
+macro_rules! number {
+    ($key:literal, $field:ident, $range:expr) => {
+        Row {
+            key: $key,
+            get: |s| s.$field.into(),
+            set: |s, v| {
+                let range = $range;
+                s.$field = v.parse().ok().filter(|x| range.contains(x)).ok_or_else(|| {
+                    format!("a number from {} to {}", range.start(), range.end())
+                })?;
+                Ok(())
+            },
+        }
+    };
+}
+
+const ROWS: &[Row] = &[
+    choice!("backend", backend),
+    choice!("integrator", integrator),
+    choice!("cache", cache),
+    choice!("visibility", visibility),
+    choice!("filter", filter),
+    number!("spp", spp, 1..=MAX_SPP),
+    Row { key: "size", get: |s| s.size.map_or(Value::Null, |(w, h)| format!("{w}x{h}").into()), set: set_size },
+    Row {
+        key: "camera",
+        get: |s| s.camera.clone().into(),
+        set: |s, v| {
+            s.camera = Some(v.to_owned());
+            Ok(())
+        },
+    },
+    Row {
+        key: "env",
+        get: |s| s.env.as_ref().map(|path| path.to_string_lossy().into_owned()).into(),
+        set: |s, v| {
+            s.env = Some(v.into());
+            Ok(())
+        },
+    },
+    number!("env_scale", env_scale, 0.0..=1e12),
+    number!("max_bounces", max_bounces, 0..=MAX_BOUNCES),
+    number!("seed", seed, 0..=u32::MAX),
+    number!("threads", threads, 0..=1024),
+    choice!("cpu.launcher", launcher),
+    choice!("path.sampler", sampler),
+    Row {
+        key: "path.roulette_depth",
+        get: |s| s.roulette_depth.map_or("off".into(), Value::from),
+        set: |s, v| {
+            s.roulette_depth = optional(v, "off", 1..=MAX_BOUNCES)?;
+            Ok(())
+        },
+    },
+    choice!("cache.direct", direct),
+    number!("grid.cell", grid_cell, 0.01..=10_000.0),
+    number!("grid.jitter", grid_jitter, 0.0..=1.0),
+    Row {
+        key: "grid.normal_bins",
+        get: |s| s.grid_normal_bins.into(),
+        set: |s, v| {
+            let odd = v.parse().ok().filter(|bins| bins % 2 == 1 && *bins <= 15);
+            s.grid_normal_bins = odd.ok_or("an odd number from 1 to 15")?;
+            Ok(())
+        },
+    },
+    Row {
+        key: "grid.slots",
+        get: |s| s.grid_slots.map_or("auto".into(), Value::from),
+        set: |s, v| {
+            let slots = optional(v, "auto", 64..=1 << 28)?;
+            if slots.is_some_and(|n| !n.is_power_of_two()) {
+                return Err("auto or a power of two from 64 to 268435456".into());
+            }
+            s.grid_slots = slots;
+            Ok(())
+        },
+    },
+    number!("grid.max_probes", grid_max_probes, 1..=64),
+];
+
+fn optional(value: &str, none: &str, range: std::ops::RangeInclusive<u32>) -> Result<Option<u32>, String> {
+    if value == none {
+        return Ok(None);
+    }
+    let number = value.parse().ok().filter(|x| range.contains(x));
+    number.map(Some).ok_or_else(|| format!("{none} or a number from {} to {}", range.start(), range.end()))
+}
+
+fn set_size(settings: &mut Settings, value: &str) -> Result<(), String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|n| (1..=MAX_SIDE).contains(n));
+    let size = value.split_once(['x', 'X']).and_then(|(w, h)| Some((side(w)?, side(h)?)));
+    settings.size = Some(size.ok_or_else(|| format!("WIDTHxHEIGHT, each from 1 to {MAX_SIDE}"))?);
+    Ok(())
+}
+
+impl Settings {
+    /// The names of all settings.
+    pub fn keys() -> Vec<&'static str> {
+        ROWS.iter().map(|row| row.key).collect()
+    }
+
+    /// Sets one by its name.
+    ///
+    /// ```
+    /// let mut settings = hashcache::Settings::default();
+    /// settings.set("grid.cell", "8")?;
+    /// assert_eq!(settings.grid_cell, 8.0);
+    /// assert!(settings.set("spp", "0").is_err());
+    /// # Ok::<(), hashcache::SettingsError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SettingsError::UnknownKey`], [`SettingsError::BadValue`]; the settings stay as they were.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<(), SettingsError> {
+        let row = ROWS.iter().find(|row| row.key == key);
+        let row = row.ok_or_else(|| SettingsError::UnknownKey { key: key.to_owned() })?;
+        (row.set)(self, value).map_err(|expected| SettingsError::BadValue { key: row.key, value: value.to_owned(), expected })
+    }
+
+    /// All settings in force, by name.
+    pub fn to_json(&self) -> Map<String, Value> {
+        ROWS.iter().map(|row| (row.key.to_owned(), (row.get)(self))).collect()
+    }
+
+    /// Checks what single values cannot show.
+    ///
+    /// # Errors
+    /// [`SettingsError::Conflict`].
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        if self.launcher == Launcher::Serial && self.threads > 1 {
+            let mut second = String::new();
+            let _ = write!(second, "threads={}", self.threads);
+            return Err(SettingsError::Conflict {
+                first: "cpu.launcher=serial".into(),
+                second,
+                instead: "use cpu.launcher=rayon, or threads=1".into(),
+            });
+        }
+        if self.cache == CacheKind::None && self.direct == DirectLight::Traced {
+            return Err(SettingsError::Conflict {
+                first: "cache.direct=traced".into(),
+                second: "cache=none".into(),
+                instead: "without a cache all light is traced: leave cache.direct out".into(),
+            });
+        }
+        Ok(())
+    }
+}
