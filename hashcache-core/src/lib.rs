@@ -17,5 +17,7 @@ pub mod traits;
 
 #[cfg(feature = "kernels")]
 pub mod stages;
+#[cfg(feature = "kernels")]
+pub mod wgsl;
 
 pub use glam;

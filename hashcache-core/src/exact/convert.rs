@@ -79,7 +79,7 @@ pub const fn quantize(q: Quantum, x: f32) -> Quantized {
     let (mantissa, biased) = if biased == 0 { (fraction, 1) } else { (fraction | 0x0080_0000, biased) };
     let shift = biased as i32 - 150 - (q.l0_exponent() - FRACTION_BITS as i32);
     if shift < 0 {
-        return below(mantissa, -shift as u32);
+        return quantize_below(mantissa, -shift as u32);
     }
     // Mantissas here have 24 bits: from shift 22 on the value is above the ceiling whatever they are.
     let wide = (mantissa as u64) << if shift > 22 { 22 } else { shift };
@@ -96,7 +96,7 @@ pub const fn quantize(q: Quantum, x: f32) -> Quantized {
 
 /// `mantissa / 2^shift` quanta, for `shift` above 0.
 #[inline]
-const fn below(mantissa: u32, shift: u32) -> Quantized {
+const fn quantize_below(mantissa: u32, shift: u32) -> Quantized {
     let value = round_shift(mantissa, shift);
     if value > 0 {
         return Quantized { value: value as u64, lost: 0, outcome: Outcome::Exact };

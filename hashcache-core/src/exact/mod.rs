@@ -18,4 +18,4 @@ pub use convert::{
 pub use quantum::{
     CEILING_BITS, CLAMP_BITS, FRACTION_BITS, L0_EXPONENT_MAX, L0_EXPONENT_MIN, MAX_DEPOSITS, Quantum, UNDERFLOW_BITS,
 };
-pub use sum::{add64, carry, hi, lo, pair};
+pub use sum::{add64, carry, hi, less64, lo, pair, shl64, sub64};

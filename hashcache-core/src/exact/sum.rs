@@ -24,6 +24,25 @@ pub const fn add64(a: u64, b: u64) -> u64 {
     a.wrapping_add(b)
 }
 
+/// The difference modulo 2⁶⁴.
+#[inline]
+pub const fn sub64(a: u64, b: u64) -> u64 {
+    a.wrapping_sub(b)
+}
+
+/// Whether `a` is below `b`.
+#[inline]
+pub const fn less64(a: u64, b: u64) -> bool {
+    a < b
+}
+
+/// `v·2^shift` modulo 2⁶⁴, for shifts below 64.
+#[inline]
+pub const fn shl64(v: u64, shift: u32) -> u64 {
+    debug_assert!(shift < 64);
+    v << (shift & 63)
+}
+
 /// What to add to the high word of a sum after `add`'s low word was added to a low word that was `old_lo`.
 ///
 /// With two 32-bit atomics: `old = atomicAdd(&low, lo(add)); atomicAdd(&high, carry(old, add))`. The low word's

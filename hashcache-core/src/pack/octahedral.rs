@@ -26,7 +26,7 @@ pub const OCTAHEDRAL_NONE: u32 = 0x8000_8000;
 
 /// A direction of any length in 32 bits, within 0.003° (5·10⁻⁵ radians) of the given one.
 ///
-/// A vector that is zero, or has a component that is not finite, becomes +z.
+/// A vector that is zero (or subnormal, which GPUs read as zero), or has a component that is not finite, becomes +z.
 ///
 /// ```
 /// # use hashcache_core::{glam::Vec3, pack::octahedral_encode};
@@ -34,13 +34,13 @@ pub const OCTAHEDRAL_NONE: u32 = 0x8000_8000;
 /// ```
 #[inline]
 pub fn octahedral_encode(n: Vec3) -> u32 {
-    let a = n.abs();
-    // The largest component first: the plain sum overflows for long vectors and loses bits for short ones.
-    let largest = a.max_element();
-    if !n.is_finite() || largest == 0.0 {
+    // By the largest component first: the plain sum overflows for long vectors and loses bits for short ones.
+    let magnitude = |v: f32| v.to_bits() & 0x7fff_ffff;
+    let largest = magnitude(n.x).max(magnitude(n.y)).max(magnitude(n.z));
+    if !(0x0080_0000..0x7f80_0000).contains(&largest) {
         return 0;
     }
-    let v = n / largest;
+    let v = n / f32::from_bits(largest);
     let a = v.abs();
     let sum = a.x + a.y + a.z;
     let (x, y) = (v.x / sum, v.y / sum);
@@ -86,8 +86,8 @@ pub fn octahedral_decode(code: u32) -> Vec3 {
 #[inline]
 #[must_use]
 pub const fn octahedral_decode_int(code: u32) -> [i32; 3] {
-    let x = component(code as u16);
-    let y = component((code >> 16) as u16);
+    let x = octahedral_component(code, 0);
+    let y = octahedral_component(code, 16);
     let z = OCTAHEDRAL_ONE - x.abs() - y.abs();
     if z >= 0 {
         return [x, y, z];
@@ -97,7 +97,7 @@ pub const fn octahedral_decode_int(code: u32) -> [i32; 3] {
 }
 
 #[inline]
-const fn component(bits: u16) -> i32 {
-    let v = bits as i16 as i32;
+const fn octahedral_component(code: u32, offset: u32) -> i32 {
+    let v = (code >> offset) as i16 as i32;
     if v < -OCTAHEDRAL_ONE { -OCTAHEDRAL_ONE } else { v }
 }

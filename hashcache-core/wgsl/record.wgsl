@@ -1,0 +1,21 @@
+// Path vertices and estimates in buffers. Twins: hashcache_core::record::VertexRecord, stages::EstimateRecord.
+
+// VertexRecord::VALID.
+const HC_VALID: u32 = 1u;
+
+struct HcVertexRecord {
+    position_footprint: vec4<f32>,
+    direct: vec4<f32>,
+    further: vec4<f32>,
+    throughput: vec4<f32>,
+    emitted: vec4<f32>,
+    normal: u32,
+    direction: u32,
+    seed: u32,
+    flags: u32,
+}
+
+struct HcEstimateRecord {
+    direct: vec4<f32>,
+    further: vec4<f32>,
+}
