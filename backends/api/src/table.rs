@@ -83,11 +83,7 @@ impl<T> BufferTable<T> {
             return None;
         }
         let places = self.places.get_disjoint_mut(ids.map(|id| id.index as usize)).ok()?;
-        let mut contents = places.map(|place| place.content.as_mut());
-        if contents.iter().any(Option::is_none) {
-            return None;
-        }
-        Some(core::array::from_fn(|k| contents[k].take().expect("checked above")))
+        places.into_iter().filter_map(|place| place.content.as_mut()).collect::<Vec<_>>().try_into().ok()
     }
 
     /// All living buffers, by place.
