@@ -1,9 +1,9 @@
 //! What a kernel's host body sees of one launch.
 
 use core::mem;
-use core::sync::atomic::AtomicU32;
 #[cfg(target_has_atomic = "64")]
 use core::sync::atomic::AtomicU64;
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use bytemuck::Pod;
 
@@ -102,8 +102,8 @@ impl<'a> Launch<'a> {
         self.rays.expect("the kernel declares casts_rays")
     }
 
-    /// Raises flags in the dispatch's status word.
+    /// Raises flags in the dispatch's status word; [`Status::NOT_RUN`] is the backend's and is left out.
     pub fn raise(&self, flags: Status) {
-        self.status.fetch_or(flags.bits(), core::sync::atomic::Ordering::Relaxed);
+        self.status.fetch_or(flags.bits() & !Status::NOT_RUN.bits(), Ordering::Relaxed);
     }
 }

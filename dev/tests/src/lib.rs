@@ -1,1 +1,3 @@
 //! Suites that span crates.
+
+pub mod conformance;

@@ -1,0 +1,10 @@
+@group(0) @binding(0) var<storage, read> toy_flags: array<u32>;
+
+@compute @workgroup_size(64)
+fn toy_raise(@builtin(global_invocation_id) gid: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    let i = hc_item(gid, groups);
+    if (i >= hc_launch.count) {
+        return;
+    }
+    hc_raise(toy_flags[i]);
+}
