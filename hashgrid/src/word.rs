@@ -1,0 +1,125 @@
+//! The 64-bit words that a table is made of, on targets with 64-bit atomics and on those without.
+//!
+//! Both kinds have the same eight bytes on a little-endian machine: low half first. All accesses are relaxed; phases
+//! (claim, deposit, lookup) are kept apart by whoever runs them, and joining threads orders memory between phases.
+
+#[cfg(target_has_atomic = "64")]
+mod wide {
+    use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+    /// A word of a table's storage: `AtomicU64` where the target has it, else a pair of 32-bit atomics of the same bytes.
+    pub type Word = AtomicU64;
+
+    #[inline]
+    pub fn get(word: &Word) -> u64 {
+        word.load(Relaxed)
+    }
+
+    pub fn set(word: &Word, value: u64) {
+        word.store(value, Relaxed);
+    }
+
+    #[inline]
+    pub fn add(word: &Word, value: u64) {
+        word.fetch_add(value, Relaxed);
+    }
+
+    /// Adds to the low half, which must not wrap.
+    #[inline]
+    pub fn add_low(word: &Word, value: u32) {
+        word.fetch_add(u64::from(value), Relaxed);
+    }
+
+    /// Clears bits of the high half.
+    #[inline]
+    pub fn clear_high(word: &Word, bits: u32) {
+        word.fetch_and(!(u64::from(bits) << 32), Relaxed);
+    }
+
+    /// The smaller of the high half and `value` stays; returns the high half as it was.
+    #[inline]
+    pub fn min_high(word: &Word, value: u32) -> u32 {
+        let mut old = word.load(Relaxed);
+        loop {
+            let high = (old >> 32) as u32;
+            if high <= value {
+                return high;
+            }
+            let new = (u64::from(value) << 32) | (old & 0xffff_ffff);
+            match word.compare_exchange_weak(old, new, Relaxed, Relaxed) {
+                Ok(_) => return high,
+                // Somebody else was faster, or the exchange failed for no reason: the same word again.
+                Err(now) => old = now,
+            }
+        }
+    }
+}
+
+#[cfg(any(test, not(target_has_atomic = "64")))]
+#[cfg_attr(target_has_atomic = "64", expect(dead_code, reason = "here it is only compared with the other kind"))]
+mod pair {
+    use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+    use hashcache_core::exact::{carry, hi, lo, pair};
+
+    /// A word of a table's storage: `AtomicU64` where the target has it, else a pair of 32-bit atomics of the same bytes.
+    #[derive(Debug)]
+    #[repr(C, align(8))]
+    pub struct Word {
+        low: AtomicU32,
+        high: AtomicU32,
+    }
+
+    impl Word {
+        /// A word that holds `value`.
+        pub const fn new(value: u64) -> Self {
+            Self { low: AtomicU32::new(lo(value)), high: AtomicU32::new(hi(value)) }
+        }
+    }
+
+    #[inline]
+    pub fn get(word: &Word) -> u64 {
+        pair(word.low.load(Relaxed), word.high.load(Relaxed))
+    }
+
+    pub fn set(word: &Word, value: u64) {
+        word.low.store(lo(value), Relaxed);
+        word.high.store(hi(value), Relaxed);
+    }
+
+    #[inline]
+    pub fn add(word: &Word, value: u64) {
+        let old = word.low.fetch_add(lo(value), Relaxed);
+        let high = carry(old, value);
+        if high != 0 {
+            word.high.fetch_add(high, Relaxed);
+        }
+    }
+
+    /// Adds to the low half, which must not wrap.
+    #[inline]
+    pub fn add_low(word: &Word, value: u32) {
+        word.low.fetch_add(value, Relaxed);
+    }
+
+    /// Clears bits of the high half.
+    #[inline]
+    pub fn clear_high(word: &Word, bits: u32) {
+        word.high.fetch_and(!bits, Relaxed);
+    }
+
+    /// The smaller of the high half and `value` stays; returns the high half as it was.
+    #[inline]
+    pub fn min_high(word: &Word, value: u32) -> u32 {
+        word.high.fetch_min(value, Relaxed)
+    }
+}
+
+#[cfg(not(target_has_atomic = "64"))]
+pub use pair::Word;
+#[cfg(not(target_has_atomic = "64"))]
+pub(crate) use pair::{add, add_low, clear_high, get, min_high, set};
+#[cfg(target_has_atomic = "64")]
+pub use wide::Word;
+#[cfg(target_has_atomic = "64")]
+pub(crate) use wide::{add, add_low, clear_high, get, min_high, set};
