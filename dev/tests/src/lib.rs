@@ -1,3 +1,4 @@
 //! Suites that span crates.
 
 pub mod conformance;
+pub mod gpu;
