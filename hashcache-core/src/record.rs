@@ -1,6 +1,9 @@
 //! The path vertices that tracing writes and caches consume.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::pack::octahedral_decode;
 
 /// A path's vertex that a cache may hold, with the light that this path brought to it and the way on to the pixel.
 ///
@@ -8,7 +11,41 @@ use bytemuck::{Pod, Zeroable};
 /// incident light weighted by the albedo-free BRDF times cosine (1/π·cos for Lambert), so a cache that averages it
 /// over a cell needs no albedo, and `throughput` holds the vertex's own albedo as its last factor.
 ///
-/// 96 bytes; `[f32; 4]` and `u32` only, so the bytes are the same in WGSL (`HcVertexRecord`).
+/// `[f32; 4]` and `u32` only, so the bytes are the same in WGSL (`HcVertexRecord`):
+///
+/// | bytes | field | meaning |
+/// |---|---|---|
+/// | 0..12 | `position_footprint` | position |
+/// | 12..16 | `position_footprint[3]` | footprint |
+/// | 16..32 | `direct` | rgb, 0 |
+/// | 32..48 | `further` | rgb, 0 |
+/// | 48..64 | `throughput` | rgb, 0 |
+/// | 64..80 | `emitted` | rgb, 0 |
+/// | 80..84 | `normal` | octahedral: x in bits 0..16, y in bits 16..32 |
+/// | 84..88 | `direction` | octahedral |
+/// | 88..92 | `seed` | any 32 bits |
+/// | 92..96 | `flags` | bit 0: [`VertexRecord::VALID`]; the others are 0 |
+///
+/// A worked example of an octahedral word stands in [`crate::pack`].
+///
+/// # Units
+/// Positions and footprints in scene units (metres), light in radiance (linear Rec. 709).
+///
+/// ```
+/// # use hashcache_core::{glam::Vec3, pack::octahedral_encode, record::VertexRecord};
+/// let vertex = VertexRecord {
+///     position_footprint: [0.0, 1.0, 0.0, 0.01],
+///     direct: [0.5, 0.5, 0.5, 0.0],
+///     further: [0.25, 0.25, 0.25, 0.0],
+///     throughput: [0.8, 0.4, 0.4, 0.0],
+///     emitted: [0.0; 4],
+///     normal: octahedral_encode(Vec3::Y),
+///     direction: octahedral_encode(Vec3::NEG_Y),
+///     seed: 7,
+///     flags: VertexRecord::VALID,
+/// };
+/// assert_eq!(vertex.radiance(), Vec3::new(0.6, 0.3, 0.3));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct VertexRecord {
@@ -23,7 +60,7 @@ pub struct VertexRecord {
     pub throughput: [f32; 4],
     /// Light of the path that does not pass through this vertex's diffuse lobe; w is 0.
     pub emitted: [f32; 4],
-    /// Shading normal on the side the path came from, octahedral (`pack::octahedral`).
+    /// Shading normal on the side the path came from, octahedral ([`crate::pack::octahedral_encode`]).
     pub normal: u32,
     /// Direction of the ray that arrived here, octahedral.
     pub direction: u32,
@@ -36,4 +73,37 @@ pub struct VertexRecord {
 impl VertexRecord {
     /// Flag: the path has a vertex to cache; without it only `emitted` counts.
     pub const VALID: u32 = 1;
+
+    /// Whether the path has a vertex to cache.
+    #[inline]
+    pub const fn is_valid(&self) -> bool {
+        self.flags & Self::VALID != 0
+    }
+
+    /// The shading normal.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        octahedral_decode(self.normal)
+    }
+
+    /// The path's own contribution to its pixel: `emitted + throughput · (direct + further)`.
+    #[inline]
+    pub fn radiance(&self) -> Vec3 {
+        self.radiance_with(rgb(&self.direct), rgb(&self.further))
+    }
+
+    /// The contribution with illumination from elsewhere, a cache's as a rule, instead of the path's own.
+    #[inline]
+    pub fn radiance_with(&self, direct: Vec3, further: Vec3) -> Vec3 {
+        if self.is_valid() {
+            rgb(&self.emitted) + rgb(&self.throughput) * (direct + further)
+        } else {
+            rgb(&self.emitted)
+        }
+    }
+}
+
+#[inline]
+fn rgb(v: &[f32; 4]) -> Vec3 {
+    Vec3::new(v[0], v[1], v[2])
 }

@@ -9,7 +9,16 @@ use glam::Vec3;
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::traits::RayCaster;
 
-/// What a cache answers for one [`crate::record::VertexRecord`], as it stands in a buffer (32 bytes).
+/// What a cache answers for one [`crate::record::VertexRecord`], as it stands in a buffer.
+///
+/// | bytes | field | meaning |
+/// |---|---|---|
+/// | 0..12 | `direct` | rgb |
+/// | 12..16 | `direct[3]` | number of samples |
+/// | 16..28 | `further` | rgb |
+/// | 28..32 | `further[3]` | 0 |
+///
+/// The same bytes in WGSL: `HcEstimateRecord` of [`crate::wgsl::RECORD`].
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct EstimateRecord {
@@ -69,14 +78,7 @@ pub struct LaunchRays<'a>(
 impl RayCaster for LaunchRays<'_> {
     #[inline]
     fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.0.trace_closest(&to_record(ray));
-        (hit.triangle != HitRecord::MISS).then_some(Hit {
-            t: hit.t,
-            u: hit.u,
-            v: hit.v,
-            triangle: hit.triangle,
-            instance: hit.instance,
-        })
+        hit_from_record(&self.0.trace_closest(&to_record(ray)))
     }
 
     #[inline]
@@ -85,8 +87,9 @@ impl RayCaster for LaunchRays<'_> {
     }
 }
 
+/// A ray as a launch passes it.
 #[inline]
-fn to_record(ray: &Ray) -> RayRecord {
+pub fn to_record(ray: &Ray) -> RayRecord {
     RayRecord { origin: ray.origin.to_array(), t_min: ray.t_min, direction: ray.direction.to_array(), t_max: ray.t_max }
 }
 
@@ -99,4 +102,24 @@ pub fn from_record(ray: &RayRecord) -> Ray {
         direction: Vec3::from_array(ray.direction),
         t_max: ray.t_max,
     }
+}
+
+/// A hit, or none, as a launch passes it. A miss has an infinite distance.
+#[inline]
+pub fn hit_to_record(hit: Option<Hit>) -> HitRecord {
+    let miss = Hit { t: f32::INFINITY, u: 0.0, v: 0.0, triangle: HitRecord::MISS, instance: HitRecord::MISS };
+    let Hit { t, u, v, triangle, instance } = hit.unwrap_or(miss);
+    HitRecord { t, u, v, triangle, instance }
+}
+
+/// A hit of a launch as this crate's type; `None` for a miss.
+///
+/// ```
+/// # use hashcache_core::stages::{hit_from_record, hit_to_record};
+/// assert_eq!(hit_from_record(&hit_to_record(None)), None);
+/// ```
+#[inline]
+pub fn hit_from_record(hit: &HitRecord) -> Option<Hit> {
+    let &HitRecord { t, u, v, triangle, instance } = hit;
+    (triangle != HitRecord::MISS).then_some(Hit { t, u, v, triangle, instance })
 }

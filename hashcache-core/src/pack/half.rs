@@ -69,12 +69,22 @@ pub const fn half_to_f32(half: u32) -> u32 {
 }
 
 /// Two floats as half floats, the first in the low 16 bits.
+///
+/// ```
+/// # use hashcache_core::pack::pack_half2;
+/// assert_eq!(pack_half2([1.5, -2.0]), 0xc000_3e00);
+/// ```
 #[inline]
 pub const fn pack_half2(v: [f32; 2]) -> u32 {
     half_from_f32(v[0].to_bits()) | (half_from_f32(v[1].to_bits()) << 16)
 }
 
 /// The two floats of [`pack_half2`].
+///
+/// ```
+/// # use hashcache_core::pack::unpack_half2;
+/// assert_eq!(unpack_half2(0xc000_3e00), [1.5, -2.0]);
+/// ```
 #[inline]
 #[must_use]
 pub const fn unpack_half2(packed: u32) -> [f32; 2] {

@@ -1,15 +1,5 @@
 //! Directions as points on an octahedron, unfolded into a square.
 //!
-//! | bits | meaning |
-//! |---|---|
-//! | 0..16 | x of the square, two's complement, −32767..=32767 stands for −1..=1 |
-//! | 16..32 | y of the square, likewise |
-//!
-//! Example: (0.6, 0, −0.8). Divided by |x|+|y|+|z| = 1.4: (0.428571, 0, −0.571429). z is negative, so the corner is
-//! folded out: x = 1 − |0| = 1, y = 1 − |0.428571| = 0.571429 (both positive: 0 counts as positive). Times 32767 and
-//! rounded: x = 32767 = `0111_1111_1111_1111`, y = 18724 = `0100_1001_0010_0100`; packed
-//! `0100_1001_0010_0100_0111_1111_1111_1111` = `0x4924_7fff`.
-//!
 //! # Source
 //! Meyer et al. 2010; Cigolle et al. 2014 (`oct32`).
 
@@ -24,7 +14,7 @@ pub const OCTAHEDRAL_ONE: i32 = 32767;
 /// A code that [`octahedral_encode`] never gives (it holds −32768): free for "no direction".
 pub const OCTAHEDRAL_NONE: u32 = 0x8000_8000;
 
-/// A direction of any length in 32 bits, within 0.003° (5·10⁻⁵ radians) of the given one.
+/// A direction of any length in 32 bits, within 0.0038° (6.6·10⁻⁵ radians) of the given one.
 ///
 /// A vector that is zero (or subnormal, which GPUs read as zero), or has a component that is not finite, becomes +z.
 ///
