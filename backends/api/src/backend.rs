@@ -12,7 +12,7 @@ use crate::{Binding, BufferDesc, Error, Kernel, Primitive, Status};
 pub enum Items {
     /// A number known to the caller.
     Count(u32),
-    /// The word `index` of `buffer` at the time of the launch, at most `max`.
+    /// The word `index` of `buffer` when the dispatch's turn comes, at most `max`. The kernel does not write the buffer.
     FromBuffer {
         /// Holds the count.
         buffer: BufferId,
@@ -42,13 +42,18 @@ pub struct Ticket(
 
 /// Owns buffers, launches kernels.
 ///
-/// Dispatches and primitives are recorded and run, in order, by [`Backend::submit`]. What a read returns is the state
-/// after everything submitted before it.
+/// Dispatches and primitives are recorded and run, in order, by [`Backend::submit`]; each sees what those before it
+/// wrote. Creating, writing and reading act at once, after everything submitted and before everything only recorded.
 ///
 /// # Laws
-/// Creating zero-fills. A write, dispatch or read with bad arguments returns an error and changes nothing. A kernel
-/// whose body obeys the access modes of its bindings gives equal integer results on every backend and for every
-/// number of threads.
+/// - Creating zero-fills. A handle is never given out twice.
+/// - A call with bad arguments returns the error that [`crate::check`] finds and changes nothing.
+/// - What a read returns is the state at the time of the call.
+/// - A destroyed buffer's handle is dead at once; commands recorded before still use the buffer.
+/// - A kernel whose body obeys the access modes of its bindings gives equal integer results on every backend and for
+///   every number of threads.
+///
+/// An example stands on the page of each backend.
 #[cfg(feature = "alloc")]
 pub trait Backend {
     /// The backend's name: `serial`, `rayon`, `wgpu`.
@@ -69,16 +74,17 @@ pub trait Backend {
     /// [`Error::UnknownBuffer`].
     fn destroy(&mut self, buffer: BufferId) -> Result<(), Error>;
 
-    /// Copies `bytes` (a multiple of 4) to `offset` (a multiple of 4), after all submitted work.
+    /// Copies `bytes` (a multiple of 4, or none) to `offset` (a multiple of 4), after all submitted work.
     ///
     /// # Errors
     /// [`Error::UnknownBuffer`], [`Error::BadRange`].
     fn write(&mut self, buffer: BufferId, offset: u64, bytes: &[u8]) -> Result<(), Error>;
 
-    /// Records a dispatch of `kernel` over `items`.
+    /// Records a dispatch of `kernel` over `items`. A buffer that the kernel writes is bound once.
     ///
     /// # Errors
-    /// Whatever is wrong with the arguments, see [`Error`].
+    /// Those of [`crate::check::dispatch`]; [`Error::Unsupported`] when the kernel has no body for this backend;
+    /// [`Error::Shader`].
     fn dispatch(
         &mut self,
         kernel: &'static Kernel,
@@ -90,28 +96,31 @@ pub trait Backend {
     /// Records a primitive.
     ///
     /// # Errors
-    /// [`Error::UnknownBuffer`], [`Error::BindingTooSmall`], [`Error::Aliased`], [`Error::Unsupported`].
+    /// Those of [`crate::check::primitive`].
     fn primitive(&mut self, primitive: Primitive) -> Result<(), Error>;
 
     /// Runs everything recorded, in order. The flags of each dispatch can be had by [`Backend::statuses`].
     ///
     /// # Errors
-    /// [`Error::DeviceLost`], [`Error::Shader`].
+    /// [`Error::DeviceLost`], [`Error::Shader`]; [`Error::OutOfMemory`] when a primitive finds no room to work in (what
+    /// follows it does not run).
     fn submit(&mut self) -> Result<(), Error>;
 
     /// Waits for the submitted work and returns kernel name and flags of each dispatch since the last call, in order.
     ///
     /// # Errors
-    /// [`Error::NotRun`] when a dispatch with items never ran, [`Error::DeviceLost`].
+    /// [`Error::NotRun`] when a dispatch with items never ran, [`Error::DeviceLost`]. The list is given up then, too.
     fn statuses(&mut self) -> Result<Vec<(&'static str, Status)>, Error>;
 
-    /// Asks for bytes of a buffer as they stand after all submitted work.
+    /// Asks for bytes of a buffer (a multiple of 4, or none, from a multiple of 4 on) as they stand after all submitted
+    /// work.
     ///
     /// # Errors
-    /// [`Error::UnknownBuffer`], [`Error::BadRange`].
+    /// [`Error::UnknownBuffer`], [`Error::BadRange`], [`Error::OutOfMemory`].
     fn read(&mut self, buffer: BufferId, offset: u64, size: u64) -> Result<Ticket, Error>;
 
-    /// The bytes asked for, or `None` while they are not ready; `wait` blocks until they are (where the platform can).
+    /// The bytes asked for, once, or `None` while they are not ready; `wait` blocks until they are (where the platform
+    /// can).
     ///
     /// # Errors
     /// [`Error::UnknownTicket`], [`Error::DeviceLost`].

@@ -1,6 +1,7 @@
 //! What a kernel's host body sees of one launch.
 
 use core::mem;
+use core::ops::Range;
 #[cfg(target_has_atomic = "64")]
 use core::sync::atomic::AtomicU64;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -41,6 +42,11 @@ pub struct Launch<'a> {
 }
 
 impl<'a> Launch<'a> {
+    /// The items, by their index within the dispatch.
+    pub fn items(&self) -> Range<u32> {
+        self.first..self.first + self.count
+    }
+
     /// The parameter block as `T`.
     ///
     /// # Panics
