@@ -68,7 +68,7 @@
 //!
 //! # Sources
 //!
-//! Keys of `REFERENCES.md`: Jarzynski & Olano 2020 and O'Neill 2014 (PCG hashes), Appleby 2011 (MurmurHash3),
+//! Keys of `REFERENCES.md`: Jarzynski & Olano 2020 and O'Neill 2014 (PCG hashes), Appleby 2011 (`MurmurHash3`),
 //! Meyer et al. 2010 and Cigolle et al. 2014 (octahedral directions), Binder et al. 2021 (keys, levels, fingerprints).
 #![no_std]
 
