@@ -1,7 +1,7 @@
 //! What is rendered: surfaces, materials, textures, cameras, environment.
 //!
-//! [`SceneData`] (feature `alloc`) owns a scene as a loader builds it. `SceneView` borrows what path tracing reads;
-//! `PackedScene` makes one out of the other.
+//! [`SceneData`] (feature `alloc`) owns a scene as a loader builds it. `packed::PackedScene` packs it
+//! into buffers, and [`SceneView`](crate::view::SceneView) borrows those: it is what path tracing reads.
 
 mod camera;
 #[cfg(feature = "alloc")]
@@ -11,6 +11,7 @@ mod environment;
 #[cfg(feature = "alloc")]
 mod error;
 mod material;
+mod needs;
 mod shading;
 mod texture;
 #[cfg(feature = "alloc")]
@@ -24,6 +25,7 @@ pub use environment::{Environment, EnvironmentImage};
 #[cfg(feature = "alloc")]
 pub use error::SceneError;
 pub use material::Material;
+pub use needs::Needs;
 pub use shading::TriangleShading;
 pub use texture::{Texture, Wrap};
 

@@ -1,0 +1,22 @@
+//! Path tracing as kernels: from pixels to records or film, from records and a cache's answers to film, from film to
+//! an image.
+//!
+//! | kernel | parameters | bindings |
+//! |---|---|---|
+//! | [`TRACE_FILM`] | [`TraceParams`] | triangles, scene, texels, film (out), counters |
+//! | [`TRACE_RECORDS`] | [`TraceParams`] | triangles, scene, texels, records (out), counters |
+//! | [`COMPOSE_TRACED`] | none | records, film (out) |
+//! | [`COMPOSE_CACHED`] | [`ComposeParams`] | records, estimates, film (out) |
+//! | [`RESOLVE`] | none | film, radiance (out) |
+//!
+//! Item i of a batch is pixel `first_pixel + i` of the picture, counted by rows from the upper left; element i of
+//! every per-item binding belongs to it. Triangles, scene and texels are the buffers of [`crate::packed`]; counters
+//! are the words of [`RayCounts`](crate::path::RayCounts).
+
+mod compose;
+mod params;
+mod trace;
+
+pub use compose::{COMPOSE_CACHED, COMPOSE_TRACED, RESOLVE};
+pub use params::{ComposeParams, TraceParams};
+pub use trace::{TRACE_FILM, TRACE_RECORDS};

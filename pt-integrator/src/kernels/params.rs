@@ -1,0 +1,48 @@
+//! Parameter blocks.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::camera::CameraRays;
+use crate::path::PathSettings;
+
+/// Parameters of [`super::TRACE_FILM`] and [`super::TRACE_RECORDS`]. 96 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct TraceParams {
+    /// The camera's rays.
+    pub camera: CameraRays,
+    /// Pixels a row of the picture, above 0.
+    pub width: u32,
+    /// Pixel of item 0.
+    pub first_pixel: u32,
+    /// Index of the first sample of every pixel. Samples 0..N of one seed are stratified together.
+    pub first_sample: u32,
+    /// Samples a pixel; [`super::TRACE_RECORDS`] takes one whatever this says.
+    pub samples: u32,
+    /// Seed of all random numbers.
+    pub seed: u32,
+    /// [`PathSettings::max_bounces`].
+    pub max_bounces: u32,
+    /// [`PathSettings::roulette_depth`].
+    pub roulette_depth: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+impl TraceParams {
+    /// Limits of the paths.
+    #[inline]
+    pub const fn settings(&self) -> PathSettings {
+        PathSettings { max_bounces: self.max_bounces, roulette_depth: self.roulette_depth }
+    }
+}
+
+/// Parameters of [`super::COMPOSE_CACHED`]. 16 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ComposeParams {
+    /// 1: light by emitters that the vertex sees is the record's own; 0: it is the cache's, too.
+    pub direct_from_record: u32,
+    /// Zero.
+    pub reserved: [u32; 3],
+}

@@ -1,0 +1,14 @@
+//! Path tracing: next-event estimation and scattering, weighted against each other, at every vertex.
+//!
+//! # Source
+//! Kajiya 1986; Veach 1997 (multiple importance sampling, 9.2; Russian roulette, 10.4).
+
+mod counts;
+mod outcome;
+mod settings;
+mod trace;
+
+pub use counts::RayCounts;
+pub use outcome::PathOutcome;
+pub use settings::PathSettings;
+pub use trace::{trace_path, trace_path_for};
