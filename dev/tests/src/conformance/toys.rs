@@ -25,7 +25,7 @@ pub static SCALE: Kernel = Kernel {
 fn scale(launch: &mut Launch<'_>) {
     let &[factor, summand, ..] = launch.params::<[u32; 4]>();
     let input = launch.input::<u32>(0);
-    for (i, out) in (launch.first..).zip(launch.output::<[u32; 2]>(1)) {
+    for (i, out) in launch.items().zip(launch.output::<[u32; 2]>(1)) {
         *out = scaled(input, i, factor, summand);
     }
 }
@@ -47,7 +47,7 @@ pub static STEP: Kernel = Kernel {
 };
 
 fn step(launch: &mut Launch<'_>) {
-    for (i, value) in (launch.first..).zip(launch.output::<u32>(0)) {
+    for (i, value) in launch.items().zip(launch.output::<u32>(0)) {
         *value = value.wrapping_mul(3).wrapping_add(i);
     }
 }
@@ -64,7 +64,7 @@ pub static HISTOGRAM: Kernel = Kernel {
 
 fn histogram(launch: &mut Launch<'_>) {
     let (values, bins) = (launch.input::<u32>(0), launch.atomic_u32(1));
-    for i in launch.first..launch.first + launch.count {
+    for i in launch.items() {
         bins[values[i as usize] as usize % bins.len()].fetch_add(1, Ordering::Relaxed);
     }
 }
@@ -81,7 +81,7 @@ pub static SUM: Kernel = Kernel {
 
 fn sum(launch: &mut Launch<'_>) {
     let (values, sums) = (launch.input::<u64>(0), launch.atomic_u64(1));
-    for i in launch.first..launch.first + launch.count {
+    for i in launch.items() {
         let value = values[i as usize];
         sums[value as u32 as usize % sums.len()].fetch_add(value, Ordering::Relaxed);
     }
@@ -99,7 +99,7 @@ pub static RAISE: Kernel = Kernel {
 
 fn raise(launch: &mut Launch<'_>) {
     let flags = launch.input::<u32>(0);
-    for i in launch.first..launch.first + launch.count {
+    for i in launch.items() {
         launch.raise(Status::from_bits(flags[i as usize]));
     }
 }
@@ -126,7 +126,7 @@ fn five(launch: &mut Launch<'_>) {
     let (a, b) = (launch.input::<u32>(0), launch.input::<u32>(1));
     let results = launch.output::<u32>(2);
     let (bins, sums): (&[AtomicU32], &[AtomicU64]) = (launch.atomic_u32(3), launch.atomic_u64(4));
-    for (i, result) in (launch.first as usize..).zip(results) {
+    for (i, result) in launch.items().map(|i| i as usize).zip(results) {
         let product = a[i].wrapping_mul(b[i]);
         sums[0].fetch_add(u64::from(product), Ordering::Relaxed);
         bins[i % bins.len()].fetch_add(a[i], Ordering::Relaxed);
