@@ -25,6 +25,9 @@ pub struct Key {
     pub attributes: u32,
 }
 
+/// What stands for the attributes of a vertex without a key in WGSL, where there is no `Option`.
+pub const NO_KEY: u32 = u32::MAX;
+
 impl Key {
     /// Level of the cell: its edge is 2^level times the smallest.
     pub const fn level(&self) -> u32 {
