@@ -1,90 +1,244 @@
 //! The ray caster's face.
 
-use std::time::Duration;
-
 use backend_api::{Error, HitRecord, RayRecord, TraceRays};
-use glam::{Vec3, Vec3A};
-use hashcache_core::geometry::{Geometry, Hit, Ray};
+use glam::Vec3;
+use hashcache_core::geometry::{Geometry, Hit, Instance, Ray};
 use hashcache_core::traits::RayCaster;
-use obvhs::BvhBuildParams;
-use obvhs::cwbvh::CwBvh;
-use obvhs::cwbvh::builder::build_cwbvh_from_tris;
-use obvhs::ray::{Ray as BvhRay, RayHit};
-use obvhs::triangle::Triangle;
+
+use super::instance::{Placed, Placements};
+use super::lanes::{Lanes, Portable};
+#[cfg(target_arch = "x86_64")]
+use super::lanes_avx2::Avx2;
+use super::layout::{Block, LEAF, Rows, WIDTH};
+use super::mesh::{Mesh, Numbered};
+use super::segment::{Segment, is_usable, is_within_range, rescaled};
+use super::triangle::Nearest;
 
 /// A scene's triangles, ready to be met by rays.
 pub struct CpuScene {
-    tree: Option<CwBvh>,
-    triangles: Vec<Triangle>,
-    ids: Vec<[u32; 2]>,
+    /// Meshes placed once or small: their triangles in the scene's space.
+    flat: Option<Mesh>,
+    /// Instance and triangle of each number in `flat`.
+    names: Vec<[u32; 2]>,
+    /// Meshes placed more than once.
+    placements: Option<Placements>,
+    triangles: u64,
+    skipped: u64,
+    #[cfg(target_arch = "x86_64")]
+    avx2: Option<Avx2>,
 }
 
+/// What a scene's hierarchy takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stats {
+    /// Triangles in the hierarchies; copies of a mesh that are kept by reference count once.
+    pub triangles: u64,
+    /// Nodes of eight boxes.
+    pub nodes: u64,
+    /// Blocks of up to eight triangles.
+    pub blocks: u64,
+    /// Meshes kept by reference.
+    pub references: u64,
+    /// Bytes of all of it.
+    pub bytes: u64,
+    /// Triangles left out: a corner that is not finite or farther than 2⁴⁰ from the origin, or two equal corners.
+    pub skipped: u64,
+}
+
+/// A mesh is copied into the scene's space when it is placed once or when its copies have at most this many triangles
+/// together: one hierarchy is faster than two levels, and this much memory (4 MiB) does not matter.
+const COPIED: u64 = 65_536;
+
+/// Corners farther out, in metres, are left out: products of three coordinates must stay finite.
+const FARTHEST: f32 = 1_099_511_627_776.0;
+
 impl CpuScene {
-    /// Sorts the triangles of `geometry` into a hierarchy. Triangles with a corner that is not finite are left out.
+    /// Sorts the triangles of `geometry` into hierarchies.
     ///
     /// # Errors
-    /// [`Error::BadRange`] when an index, mesh or instance names something that is not there.
+    /// [`Error::BadRange`] when an index, mesh or instance names something that is not there;
+    /// [`Error::OutOfMemory`] for more than 2³⁰ triangles.
     pub fn build(geometry: &Geometry<'_>) -> Result<Self, Error> {
-        let bad =
-            |offset: usize, size: usize| Error::BadRange { at: "geometry", offset: offset as u64, size: size as u64 };
-        let (mut triangles, mut ids) = (Vec::new(), Vec::new());
+        check(geometry)?;
+        let mut uses = vec![0u64; geometry.meshes.len()];
+        for instance in geometry.instances {
+            uses[instance.mesh as usize] += 1;
+        }
+        let mut scene = Self {
+            flat: None,
+            names: Vec::new(),
+            placements: None,
+            triangles: 0,
+            skipped: 0,
+            #[cfg(target_arch = "x86_64")]
+            avx2: Avx2::detect(),
+        };
+        let (mut flat, mut placed, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut built = vec![None; geometry.meshes.len()];
         for (number, instance) in geometry.instances.iter().enumerate() {
-            let mesh = geometry.meshes.get(instance.mesh as usize).ok_or_else(|| bad(instance.mesh as usize, 1))?;
-            let (first, count) = (mesh.first_triangle as usize, mesh.triangle_count as usize);
-            let run = geometry.indices.get(first..first + count).ok_or_else(|| bad(first, count))?;
-            for (place, corners) in run.iter().enumerate() {
-                let mut points = [Vec3A::ZERO; 3];
-                for (point, &corner) in points.iter_mut().zip(corners) {
-                    let position = geometry.positions.get(corner as usize).ok_or_else(|| bad(corner as usize, 1))?;
-                    *point = instance.point(Vec3::from(*position)).into();
-                }
-                if points.iter().all(|p| p.is_finite()) {
-                    triangles.push(Triangle { v0: points[0], v1: points[1], v2: points[2] });
-                    ids.push([number as u32, (first + place) as u32]);
+            let mesh = instance.mesh as usize;
+            let copies = uses[mesh] * geometry.meshes[mesh].triangle_count as u64;
+            if uses[mesh] > 1 && copies > COPIED {
+                let (index, bounds) = *built[mesh].get_or_insert_with(|| {
+                    let triangles = triangles(geometry, &Instance::identity(mesh as u32), &mut scene.skipped);
+                    let bounds = triangles
+                        .iter()
+                        .flat_map(|t| t.corners)
+                        .fold(obvhs::aabb::Aabb::empty(), |mut bounds, p| *bounds.extend(p.into()));
+                    scene.triangles += triangles.len() as u64;
+                    if !triangles.is_empty() {
+                        meshes.push(Mesh::new(&triangles));
+                    }
+                    (meshes.len().wrapping_sub(1), if triangles.is_empty() { None } else { Some(bounds) })
+                });
+                let Some(bounds) = bounds else { continue };
+                if let Some(place) = Placed::new(instance, number as u32, index, &bounds) {
+                    placed.push(place);
+                    continue;
                 }
             }
+            for mut triangle in triangles(geometry, instance, &mut scene.skipped) {
+                scene.names.push([number as u32, triangle.id]);
+                triangle.id = scene.names.len() as u32 - 1;
+                flat.push(triangle);
+            }
         }
-        let mut scene = Self { tree: None, triangles, ids };
-        if !scene.triangles.is_empty() {
-            let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
-            let mut elapsed = Duration::ZERO;
-            let tree = build_cwbvh_from_tris(&scene.triangles, params, &mut elapsed);
-            scene.triangles = tree.primitive_indices.iter().map(|&i| scene.triangles[i as usize]).collect();
-            scene.ids = tree.primitive_indices.iter().map(|&i| scene.ids[i as usize]).collect();
-            scene.tree = Some(tree);
+        scene.triangles += flat.len() as u64;
+        if !flat.is_empty() {
+            scene.flat = Some(Mesh::new(&flat));
+        }
+        if !placed.is_empty() {
+            scene.placements = Some(Placements::new(placed, meshes));
         }
         Ok(scene)
     }
+
+    /// What the hierarchies take.
+    pub fn stats(&self) -> Stats {
+        let placements = self.placements.as_ref();
+        let meshes = self.flat.iter().chain(placements.into_iter().flat_map(|p| &p.meshes));
+        let rows = || meshes.clone().map(|m| &m.rows).chain(placements.map(|p| &p.rows));
+        let references = placements.map_or(0, |p| p.placed.len());
+        let bytes = rows().map(Rows::bytes).sum::<usize>()
+            + references * size_of::<Placed>()
+            + self.names.len() * size_of::<[u32; 2]>();
+        Stats {
+            triangles: self.triangles,
+            nodes: rows().map(|r| r.nodes as u64).sum(),
+            blocks: rows().map(|r| r.blocks as u64).sum(),
+            references: references as u64,
+            bytes: bytes as u64,
+            skipped: self.skipped,
+        }
+    }
+
+    #[inline(always)]
+    fn closest_with<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> Option<Hit> {
+        let s = Segment::new(ray);
+        let mut nearest = Nearest { t: ray.t_max, u: 0.0, v: 0.0, id: u32::MAX };
+        if let Some(mesh) = &self.flat {
+            mesh.closest(l, &s, &mut nearest);
+        }
+        let placed = self.placements.as_ref().and_then(|p| p.closest(l, &s, &mut nearest));
+        if nearest.id == u32::MAX {
+            return None;
+        }
+        let [instance, triangle] = placed.map_or_else(|| self.names[nearest.id as usize], |i| [i, nearest.id]);
+        Some(Hit { t: nearest.t, u: nearest.u, v: nearest.v, triangle, instance })
+    }
+
+    #[inline(always)]
+    fn occluded_with<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> bool {
+        let s = Segment::new(ray);
+        self.flat.as_ref().is_some_and(|m| m.occluded(l, &s))
+            || self.placements.as_ref().is_some_and(|p| p.occluded(l, &s))
+    }
+
+    fn closest_in_range(&self, ray: &Ray) -> Option<Hit> {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = self.avx2 {
+            return avx2.run(
+                #[inline(always)]
+                || self.closest_with(avx2, ray),
+            );
+        }
+        self.closest_with(Portable, ray)
+    }
+
+    fn occluded_in_range(&self, ray: &Ray) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = self.avx2 {
+            return avx2.run(
+                #[inline(always)]
+                || self.occluded_with(avx2, ray),
+            );
+        }
+        self.occluded_with(Portable, ray)
+    }
 }
 
-fn usable(ray: &Ray) -> Option<BvhRay> {
-    let finite = ray.origin.is_finite() && ray.direction.is_finite() && ray.direction != Vec3::ZERO;
-    (finite && ray.t_min < ray.t_max)
-        .then(|| BvhRay::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max))
+/// Looks every index up once, so that nothing below can fail.
+fn check(geometry: &Geometry<'_>) -> Result<(), Error> {
+    let bad = |offset: u32, size: u32| Error::BadRange { at: "geometry", offset: offset.into(), size: size.into() };
+    let mut total = 0u64;
+    for instance in geometry.instances {
+        let mesh = geometry.meshes.get(instance.mesh as usize).ok_or_else(|| bad(instance.mesh, 1))?;
+        total += mesh.triangle_count as u64;
+    }
+    if total >= 1 << 30 {
+        return Err(Error::OutOfMemory { size: total * (size_of::<Block>() / LEAF) as u64 });
+    }
+    for mesh in geometry.meshes {
+        let end = mesh.first_triangle as u64 + mesh.triangle_count as u64;
+        if end > geometry.indices.len() as u64 {
+            return Err(bad(mesh.first_triangle, mesh.triangle_count));
+        }
+    }
+    let corner = geometry.indices.iter().flatten().max().copied();
+    match corner {
+        Some(corner) if corner as usize >= geometry.positions.len() => Err(bad(corner, 1)),
+        _ => Ok(()),
+    }
 }
 
-fn meet(triangle: &Triangle, ray: &BvhRay, last: f32) -> f32 {
-    let t = triangle.intersect(ray);
-    if t > ray.tmin && t < last { t } else { f32::INFINITY }
+/// The triangles of a placed mesh that rays can meet.
+fn triangles(geometry: &Geometry<'_>, instance: &Instance, skipped: &mut u64) -> Vec<Numbered> {
+    let mesh = geometry.meshes[instance.mesh as usize];
+    let mut triangles = Vec::with_capacity(mesh.triangle_count as usize);
+    for id in mesh.first_triangle..mesh.first_triangle + mesh.triangle_count {
+        let corners =
+            geometry.indices[id as usize].map(|corner| instance.point(Vec3::from(geometry.positions[corner as usize])));
+        let [a, b, c] = corners;
+        let near = corners.iter().all(|p| p.abs().cmple(Vec3::splat(FARTHEST)).all());
+        if near && a != b && b != c && c != a {
+            triangles.push(Numbered { corners, id });
+        } else {
+            *skipped += 1;
+        }
+    }
+    triangles
 }
 
 impl RayCaster for CpuScene {
     fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let (tree, segment) = (self.tree.as_ref()?, usable(ray)?);
-        let mut hit = RayHit::none();
-        tree.ray_traverse(segment, &mut hit, |r, id| meet(&self.triangles[id], r, ray.t_max));
-        let triangle = self.triangles.get(hit.primitive_id as usize)?;
-        let (e1, e2) = (triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
-        let p = segment.direction.cross(e2);
-        let (det, s) = (e1.dot(p), segment.origin - triangle.v0);
-        let (u, v) = (s.dot(p) / det, segment.direction.dot(s.cross(e1)) / det);
-        let [instance, triangle] = self.ids[hit.primitive_id as usize];
-        Some(Hit { t: hit.t, u, v, triangle, instance })
+        if !is_usable(ray) {
+            return None;
+        }
+        if is_within_range(ray.direction.abs().max_element()) {
+            return self.closest_in_range(ray);
+        }
+        let (scaled, factor) = rescaled(ray);
+        let hit = self.closest_in_range(&scaled)?;
+        Some(Hit { t: hit.t * factor, ..hit })
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        let (Some(tree), Some(segment)) = (self.tree.as_ref(), usable(ray)) else { return false };
-        !tree.ray_traverse_miss(segment, |r, id| meet(&self.triangles[id], r, ray.t_max))
+        is_usable(ray)
+            && if is_within_range(ray.direction.abs().max_element()) {
+                self.occluded_in_range(ray)
+            } else {
+                self.occluded_in_range(&rescaled(ray).0)
+            }
     }
 }
 
@@ -104,31 +258,5 @@ impl TraceRays for CpuScene {
 
     fn trace_occluded(&self, ray: &RayRecord) -> bool {
         self.occluded(&plain(ray))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use hashcache_core::geometry::{Instance, Mesh};
-
-    use super::*;
-
-    #[test]
-    fn a_ray_meets_the_nearer_of_two_triangles() {
-        let positions =
-            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
-        let geometry = Geometry {
-            positions: &positions,
-            indices: &[[0, 1, 2], [3, 4, 5]],
-            meshes: &[Mesh { first_triangle: 0, triangle_count: 2 }],
-            instances: &[Instance::identity(0)],
-        };
-        let scene = CpuScene::build(&geometry).unwrap();
-        let ray = Ray { origin: Vec3::new(0.25, 0.5, 3.0), t_min: 0.0, direction: Vec3::NEG_Z, t_max: f32::INFINITY };
-        let hit = scene.closest(&ray).unwrap();
-        assert_eq!((hit.triangle, hit.instance, hit.t), (1, 0, 2.0));
-        assert!((hit.u - 0.25).abs() < 1e-6 && (hit.v - 0.5).abs() < 1e-6, "{hit:?}");
-        assert!(scene.occluded(&ray));
-        assert!(!scene.occluded(&Ray { t_max: 2.0, ..ray }));
     }
 }

@@ -1,0 +1,115 @@
+//! Ray against eight triangles.
+
+use super::lanes::Lanes;
+use super::layout::{Block, LEAF};
+use super::segment::Segment;
+
+/// The nearest triangle so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    /// Distance; the segment's end while there is no triangle.
+    pub(super) t: f32,
+    /// Barycentric weight of the second corner.
+    pub(super) u: f32,
+    /// Barycentric weight of the third corner.
+    pub(super) v: f32,
+    /// The triangle's number, or `u32::MAX`.
+    pub(super) id: u32,
+}
+
+/// What a block needs to know of a ray, eight times over.
+#[derive(Clone, Copy)]
+pub(super) struct Shear<L: Lanes<LEAF>> {
+    axes: [usize; 3],
+    origin: [L::Vector; 3],
+    slope: [L::Vector; 2],
+    depth: L::Vector,
+    t_min: L::Vector,
+}
+
+impl<L: Lanes<LEAF>> Shear<L> {
+    #[inline(always)]
+    pub(super) fn new(l: L, s: &Segment) -> Self {
+        let axes = s.axes;
+        Self {
+            axes,
+            origin: [l.splat(s.origin[axes[0]]), l.splat(s.origin[axes[1]]), l.splat(s.origin[axes[2]])],
+            slope: [l.splat(s.shear[0]), l.splat(s.shear[1])],
+            depth: l.splat(s.shear[2]),
+            t_min: l.splat(s.t_min),
+        }
+    }
+
+    /// Corners in a space where the ray is the third axis.
+    #[inline(always)]
+    fn corner(&self, l: L, corner: &[[f32; LEAF]; 3]) -> [L::Vector; 3] {
+        let [kx, ky, kz] = self.axes;
+        let z = l.sub(l.load(&corner[kz]), self.origin[2]);
+        let x = l.sub(l.sub(l.load(&corner[kx]), self.origin[0]), l.mul(self.slope[0], z));
+        let y = l.sub(l.sub(l.load(&corner[ky]), self.origin[1]), l.mul(self.slope[1], z));
+        [x, y, z]
+    }
+}
+
+/// Distances and edge functions where the ray meets the planes of a block's triangles.
+struct Meeting<L: Lanes<LEAF>> {
+    t: L::Vector,
+    edges: [L::Vector; 2],
+    det: L::Vector,
+}
+
+/// Which triangles of the block the ray meets beyond `t_min` and not beyond `t_end`.
+///
+/// # Source
+/// Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", without its double precision: a ray that meets
+/// an edge within rounding counts for the triangles on both sides, so it cannot pass between them.
+#[inline(always)]
+fn meet<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_end: f32) -> Option<(u32, Meeting<L>)> {
+    let [ax, ay, az] = s.corner(l, &block.corners[0]);
+    let [bx, by, bz] = s.corner(l, &block.corners[1]);
+    let [cx, cy, cz] = s.corner(l, &block.corners[2]);
+    let u = l.sub(l.mul(cx, by), l.mul(cy, bx));
+    let v = l.sub(l.mul(ax, cy), l.mul(ay, cx));
+    let w = l.sub(l.mul(bx, ay), l.mul(by, ax));
+    let zero = l.splat(0.0);
+    let inside = l.le(zero, l.min(l.min(u, v), w)) | l.le(l.max(l.max(u, v), w), zero);
+    if inside == 0 {
+        return None;
+    }
+    let det = l.add(l.add(u, v), w);
+    let z = l.add(l.add(l.mul(u, az), l.mul(v, bz)), l.mul(w, cz));
+    // 0/0 in a triangle without area: NaN is in no interval.
+    let t = l.mul(l.div(z, det), s.depth);
+    let mask = inside & l.lt(s.t_min, t) & l.le(t, l.splat(t_end));
+    (mask != 0).then_some((mask, Meeting { t, edges: [v, w], det }))
+}
+
+/// Moves `nearest` to a triangle of the block that is nearer, or as near and lower in number.
+#[inline(always)]
+pub(super) fn closest<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_max: f32, nearest: &mut Nearest) {
+    let Some((mut mask, meeting)) = meet(l, block, s, nearest.t) else { return };
+    let t = l.store(meeting.t);
+    let mut place = LEAF;
+    while mask != 0 {
+        let i = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        if t[i] < nearest.t || (t[i] <= nearest.t && t[i] < t_max && block.ids[i] < nearest.id) {
+            (nearest.t, nearest.id) = (t[i], block.ids[i]);
+            place = i;
+        }
+    }
+    if place < LEAF {
+        let det = l.store(meeting.det)[place];
+        nearest.u = l.store(meeting.edges[0])[place] / det;
+        nearest.v = l.store(meeting.edges[1])[place] / det;
+    }
+}
+
+/// Whether the ray meets a triangle of the block before `t_max`.
+#[inline(always)]
+pub(super) fn occluded<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_max: f32) -> bool {
+    match meet(l, block, s, t_max) {
+        Some((mask, meeting)) => mask & l.lt(meeting.t, l.splat(t_max)) != 0,
+        None => false,
+    }
+}
