@@ -86,15 +86,6 @@ choice! {
     }
 }
 choice! {
-    /// Random numbers of paths.
-    SamplerKind {
-        /// Owen-scrambled Sobol' points.
-        Sobol = "sobol",
-        /// Independent numbers by a hash of pixel, sample and dimension.
-        Hash = "hash",
-    }
-}
-choice! {
     /// Where a pixel's direct light comes from when there is a cache.
     DirectLight {
         /// From the cell, like all other light.

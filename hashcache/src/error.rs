@@ -24,22 +24,6 @@ pub enum Error {
         /// What it said.
         error: backend_api::Error,
     },
-    /// No camera in the scene and none given.
-    #[error("{scene}: holds no camera; give one by --camera FILE.json with position, target, up and fov_y_deg")]
-    NoCamera {
-        /// The scene as it was named.
-        scene: String,
-    },
-    /// The camera asked for is not there.
-    #[error("{scene}: holds no camera {name:?}; there are {known}")]
-    UnknownCamera {
-        /// The scene as it was named.
-        scene: String,
-        /// The name or index asked for.
-        name: String,
-        /// Those that exist.
-        known: String,
-    },
     /// The integrator refused the scene's data.
     #[error("{scene}: {reason}")]
     BadScene {

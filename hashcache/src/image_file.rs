@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use image::codecs::hdr::HdrEncoder;
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageReader, Rgb};
+use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Rgb};
 
 /// A picture of linear radiance (Rec. 709 primaries), rows from top to bottom.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -92,7 +92,7 @@ pub fn srgb_encode(linear: f32) -> f32 {
 pub fn write(path: &Path, image: &Image) -> Result<(), ImageError> {
     let format = format_of(path)?;
     write_whole(path, |out| {
-        let encoded = |bytes: &[u8], color| -> image::ImageResult<()> {
+        let mut encoded = |bytes: &[u8], color| -> image::ImageResult<()> {
             match format {
                 Format::Exr => {
                     // The encoder seeks, so it needs the bytes in memory first.
@@ -123,10 +123,7 @@ pub fn write(path: &Path, image: &Image) -> Result<(), ImageError> {
 ///
 /// # Errors
 /// [`ImageError::Write`].
-pub fn write_whole(
-    path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> Result<(), String>,
-) -> Result<(), ImageError> {
+pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<(), String>) -> Result<(), ImageError> {
     let failed = |reason: String| ImageError::Write { path: path.to_owned(), reason };
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -154,9 +151,13 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
     let reader = ImageReader::open(path).map_err(|error| failed(error.to_string()))?;
     let reader = reader.with_guessed_format().map_err(|error| failed(error.to_string()))?;
     let encoded = reader.format() == Some(image::ImageFormat::Png);
-    let decoded = reader.decode().map_err(|error| failed(error.to_string()))?.into_rgb32f();
-    let (width, height) = decoded.dimensions();
-    let mut pixels: Vec<[f32; 3]> = decoded.pixels().map(|p| p.0).collect();
+    let decoded = reader.decode().map_err(|error| failed(error.to_string()))?;
+    let (width, height) = (decoded.width(), decoded.height());
+    // Floats are taken as they are; a conversion between float layouts may clip them.
+    let mut pixels: Vec<[f32; 3]> = match decoded {
+        DynamicImage::ImageRgba32F(image) => image.pixels().map(|p| [p.0[0], p.0[1], p.0[2]]).collect(),
+        other => other.into_rgb32f().pixels().map(|p| p.0).collect(),
+    };
     if encoded {
         for value in pixels.iter_mut().flatten() {
             *value = srgb_decode(*value);
@@ -170,9 +171,5 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
 /// # Source
 /// IEC 61966-2-1.
 pub fn srgb_decode(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 {
-        encoded / 12.92
-    } else {
-        hashcache_core::float::powf((encoded + 0.055) / 1.055, 2.4)
-    }
+    if encoded <= 0.040_45 { encoded / 12.92 } else { hashcache_core::float::powf((encoded + 0.055) / 1.055, 2.4) }
 }

@@ -4,7 +4,7 @@ use pt_integrator::scene::{Environment, NONE, SceneData};
 use serde::Serialize;
 
 /// What a scene holds that a frame must model.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Needs {
     /// Triangles of all meshes, each counted once.
     pub triangles: u64,

@@ -39,7 +39,9 @@ impl FramePlan {
             (0, "none") => "nothing gives light, so rays show a black scene".to_owned(),
             (0, environment) => format!("lit by a {environment} environment"),
             (triangles, "none") => format!("lit by {triangles} emissive triangles"),
-            (triangles, environment) => format!("lit by {triangles} emissive triangles and a {environment} environment"),
+            (triangles, environment) => {
+                format!("lit by {triangles} emissive triangles and a {environment} environment")
+            }
         };
         let surfaces = format!(
             "{} triangles in {}, Lambert{}",
@@ -50,16 +52,29 @@ impl FramePlan {
         let bounces = settings.max_bounces;
         match settings.cache {
             CacheKind::None => {
-                push("trace", format!("whole paths of up to {bounces} scatterings into the film, no cache: {surfaces}; {lights}"));
+                push(
+                    "trace",
+                    format!("whole paths of up to {bounces} scatterings into the film, no cache: {surfaces}; {lights}"),
+                );
             }
             CacheKind::Grid => {
-                push("trace", format!("paths of up to {bounces} scatterings, their first vertex recorded for the grid: {surfaces}; {lights}"));
+                push(
+                    "trace",
+                    format!(
+                        "paths of up to {bounces} scatterings, their first vertex recorded for the grid: {surfaces}; {lights}"
+                    ),
+                );
                 push("update", "the vertices' cells are claimed and their light is added to them".to_owned());
                 push("query", "each vertex reads its cell's mean in place of its own light".to_owned());
-                push("compose", match settings.direct {
-                    DirectLight::Cached => "film = emission + albedo · light of the cell".to_owned(),
-                    DirectLight::Traced => "film = emission + albedo · (own direct light + further light of the cell)".to_owned(),
-                });
+                push(
+                    "compose",
+                    match settings.direct {
+                        DirectLight::Cached => "film = emission + albedo · light of the cell".to_owned(),
+                        DirectLight::Traced => {
+                            "film = emission + albedo · (own direct light + further light of the cell)".to_owned()
+                        }
+                    },
+                );
             }
         }
         push("resolve", "the film's sums become radiance".to_owned());

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use serde_json::{Map, Value};
 
-use crate::choice::{BackendKind, CacheKind, Choice, DirectLight, FilterKind, IntegratorKind, Launcher, SamplerKind, VisibilityKind};
+use crate::choice::{
+    BackendKind, CacheKind, Choice, DirectLight, FilterKind, IntegratorKind, Launcher, VisibilityKind,
+};
 
 /// Largest picture side in pixels.
 pub const MAX_SIDE: u32 = 16_384;
@@ -47,15 +49,13 @@ pub struct Settings {
     pub threads: u32,
     /// `cpu.launcher`: how the CPU backend runs kernels.
     pub launcher: Launcher,
-    /// `path.sampler`: random numbers of paths.
-    pub sampler: SamplerKind,
-    /// `path.roulette_depth`: Russian roulette from this path segment on; `None` (`off`): none.
+    /// `path.roulette_depth`: Russian roulette from this scattering on; `None` (`off`): none.
     pub roulette_depth: Option<u32>,
     /// `cache.direct`: whether direct light comes from the cache or from the pixel's own shadow rays.
     pub direct: DirectLight,
     /// `grid.cell`: size of a cell in pixel footprints, above 0.
     pub grid_cell: f32,
-    /// `grid.jitter`: half the width of the jitter in cells, 0 to 1.
+    /// `grid.jitter`: width of the jitter in cells, 0 (none) to 1.
     pub grid_jitter: f32,
     /// `grid.normal_bins`: bins of normals along a side of the cube of directions, odd.
     pub grid_normal_bins: u32,
@@ -82,11 +82,10 @@ impl Default for Settings {
             seed: 0,
             threads: 0,
             launcher: Launcher::Rayon,
-            sampler: SamplerKind::Sobol,
             roulette_depth: None,
             direct: DirectLight::Cached,
             grid_cell: 16.0,
-            grid_jitter: 0.5,
+            grid_jitter: 1.0,
             grid_normal_bins: 3,
             grid_slots: None,
             grid_max_probes: 32,
@@ -153,9 +152,11 @@ macro_rules! number {
             get: |s| s.$field.into(),
             set: |s, v| {
                 let range = $range;
-                s.$field = v.parse().ok().filter(|x| range.contains(x)).ok_or_else(|| {
-                    format!("a number from {} to {}", range.start(), range.end())
-                })?;
+                s.$field = v
+                    .parse()
+                    .ok()
+                    .filter(|x| range.contains(x))
+                    .ok_or_else(|| format!("a number from {} to {}", range.start(), range.end()))?;
                 Ok(())
             },
         }
@@ -191,7 +192,6 @@ const ROWS: &[Row] = &[
     number!("seed", seed, 0..=u32::MAX),
     number!("threads", threads, 0..=1024),
     choice!("cpu.launcher", launcher),
-    choice!("path.sampler", sampler),
     Row {
         key: "path.roulette_depth",
         get: |s| s.roulette_depth.map_or("off".into(), Value::from),
@@ -263,7 +263,11 @@ impl Settings {
     pub fn set(&mut self, key: &str, value: &str) -> Result<(), SettingsError> {
         let row = ROWS.iter().find(|row| row.key == key);
         let row = row.ok_or_else(|| SettingsError::UnknownKey { key: key.to_owned() })?;
-        (row.set)(self, value).map_err(|expected| SettingsError::BadValue { key: row.key, value: value.to_owned(), expected })
+        (row.set)(self, value).map_err(|expected| SettingsError::BadValue {
+            key: row.key,
+            value: value.to_owned(),
+            expected,
+        })
     }
 
     /// All settings in force, by name.

@@ -10,7 +10,7 @@ use crate::needs::Needs;
 use crate::plan::Stage;
 
 /// Figures of one render. Its JSON keys are stable; more may stand beside them.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Stats {
     /// The scene as it was named.
     pub scene: String,
