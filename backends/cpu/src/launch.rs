@@ -2,13 +2,12 @@
 
 use std::mem;
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use backend_api::{Access, Binding, BufferTable, Items, Kernel, Launch, Slot, Status, TraceRays};
 use rayon::prelude::*;
-use zerocopy::FromBytes;
 
-use crate::storage::{Block, Storage};
+use crate::storage::{Block, Storage, atomics};
 
 /// Fewest items of a launch: what a launch costs (well under a microsecond) stays small beside them.
 const MIN_ITEMS: u32 = 256;
@@ -110,8 +109,8 @@ fn slots<'a>(dispatch: &Dispatch, table: &'a mut BufferTable<Storage>, items: u3
             slots[k] = match decl.access {
                 Access::In => Slot::In(bytes),
                 Access::OutPerItem => Slot::Out(&mut bytes[..items as usize * decl.stride as usize]),
-                Access::AtomicU32 => Slot::AtomicU32(<[AtomicU32]>::mut_from_bytes(bytes).unwrap_or_default()),
-                Access::AtomicU64 => Slot::AtomicU64(<[AtomicU64]>::mut_from_bytes(bytes).unwrap_or_default()),
+                Access::AtomicU32 => Slot::AtomicU32(atomics(bytes)),
+                Access::AtomicU64 => Slot::AtomicU64(atomics(bytes)),
             };
         } else {
             let bytes = storage.bytes();

@@ -55,8 +55,8 @@
 //!
 //! # Memory
 //! A buffer takes its size, rounded up to 64 bytes. A dispatch takes under 200 bytes until it is submitted, beside its
-//! parameters, and on a pool under 200 bytes a launch while it runs. Sorting `n` pairs takes 16·n bytes (serial) or
-//! 12·n (pool) for its time.
+//! parameters, and on a pool under 200 bytes a launch while it runs. Sorting `n` pairs takes 16·n bytes for
+//! its time.
 //!
 //! # Determinism
 //! Both launchers give equal bits, for any number of threads, for every kernel whose body keeps the rules of

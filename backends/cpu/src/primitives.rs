@@ -1,14 +1,20 @@
 //! The primitives on buffers: the serial model, or the same in chunks on the pool.
 
+use std::mem;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use backend_api::primitive::model;
 use backend_api::{BufferTable, Error, Primitive};
 use rayon::prelude::*;
 
 use crate::launch::Cut;
-use crate::storage::Storage;
+use crate::storage::{Storage, atomics};
 
 /// Words of a chunk: enough to outweigh handing it to a thread, few enough to share.
 const CHUNK: usize = 16_384;
+
+/// Pairs of a chunk of the sort: enough to outweigh the table of 256 counts that each needs.
+const SORTED: usize = 65_536;
 
 /// Runs one checked primitive.
 pub(crate) fn run(primitive: &Primitive, table: &mut BufferTable<Storage>, cut: Cut) -> Result<(), Error> {
@@ -70,42 +76,92 @@ fn scan(input: &[u32], output: &mut [u32]) {
     });
 }
 
-/// Sorts words made of key and place: the order is stable, and no memory is needed that cannot be refused.
+/// Sorts by one byte of the keys after the other, lowest first; every pass keeps the order of equal bytes.
 fn sort_pairs(keys: &mut [u32], values: &mut [u32]) -> Result<(), Error> {
-    let size = keys.len() as u64 * 12;
-    let (mut order, mut old) = (Vec::<u64>::new(), Vec::<u32>::new());
-    order.try_reserve_exact(keys.len()).map_err(|_| Error::OutOfMemory { size })?;
-    old.try_reserve_exact(keys.len()).map_err(|_| Error::OutOfMemory { size })?;
-    order.extend(keys.iter().zip(0_u64..).map(|(&key, i)| u64::from(key) << 32 | i));
-    old.extend_from_slice(values);
-    order.par_sort_unstable();
-    keys.par_iter_mut().zip(values).zip(&order).with_min_len(CHUNK).for_each(|((key, value), &word)| {
-        *key = (word >> 32) as u32;
-        *value = old[word as u32 as usize];
+    let size = 8 * keys.len() as u64;
+    let (mut pairs, mut target) = (Storage::zeroed(size)?, Storage::zeroed(size)?);
+    for ((pair, &key), &value) in pairs.pairs_mut().iter_mut().zip(&*keys).zip(&*values) {
+        *pair = (u64::from(key) << 32) | u64::from(value);
+    }
+    for byte in [32, 40, 48, 56] {
+        if move_by_byte(pairs.pairs(), atomics(target.bytes_mut()), byte) {
+            mem::swap(&mut pairs, &mut target);
+        }
+    }
+    keys.par_iter_mut().zip(values).zip(pairs.pairs()).with_min_len(CHUNK).for_each(|((key, value), &pair)| {
+        (*key, *value) = ((pair >> 32) as u32, pair as u32);
     });
     Ok(())
 }
 
+/// Copies `pairs` to `target` in the order of the byte at bit `byte`; false when all have the same and nothing was done.
+fn move_by_byte(pairs: &[u64], target: &[AtomicU64], byte: u32) -> bool {
+    let digit = |pair: u64| (pair >> byte) as usize & 0xff;
+    let mut places: Vec<[u32; 256]> = pairs
+        .par_chunks(SORTED)
+        .map(|chunk| {
+            let mut counts = [0; 256];
+            chunk.iter().for_each(|&pair| counts[digit(pair)] += 1);
+            counts
+        })
+        .collect();
+    // From how many there are of each byte in each chunk to where the first of them goes.
+    let mut next = 0;
+    for digit in 0..256 {
+        let before = next;
+        for chunk in &mut places {
+            next += mem::replace(&mut chunk[digit], next);
+        }
+        if (next - before) as usize == pairs.len() {
+            return false;
+        }
+    }
+    // Chunks write to places of their own all over the target. Relaxed stores say so without unsafe code, at the price
+    // of plain ones.
+    pairs.par_chunks(SORTED).zip(places).for_each(|(chunk, mut places)| {
+        for &pair in chunk {
+            let place = &mut places[digit(pair)];
+            target[*place as usize].store(pair, Ordering::Relaxed);
+            *place += 1;
+        }
+    });
+    true
+}
+
 /// Runs belong to the chunk they begin in; what a chunk finds before its first beginning is added to the run before.
 fn reduce_by_key(keys: &[u32], values: &[u32], unique: &mut [u32], sums: &mut [u32]) -> u32 {
-    let begins = |i: usize| i == 0 || keys[i - 1] != keys[i];
-    let chunks = || (0..keys.len().div_ceil(CHUNK)).into_par_iter().map(|c| c * CHUNK..keys.len().min((c + 1) * CHUNK));
-    let counts: Vec<u32> = chunks().map(|chunk| chunk.filter(|&i| begins(i)).count() as u32).collect();
+    let Some((&first, behind)) = keys.split_first() else { return 0 };
+    // Word 0 begins a run; after it, every word does that differs from the one before.
+    let before = |chunk: usize| if chunk == 0 { !first } else { keys[chunk * CHUNK - 1] };
+    let counts: Vec<u32> = keys
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(c, chunk)| {
+            let inner = chunk.iter().zip(&behind[c * CHUNK..]).take(chunk.len() - 1).filter(|(a, b)| a != b).count();
+            u32::from(before(c) != chunk[0]) + inner as u32
+        })
+        .collect();
     let (starts, runs) = starts(&counts);
     let targets: Vec<_> = split(unique, &counts).into_iter().zip(split(sums, &counts)).collect();
-    let carries: Vec<u32> = chunks()
+    let chunks = keys.par_chunks(CHUNK).zip(values.par_chunks(CHUNK)).enumerate();
+    let carries: Vec<u32> = chunks
         .zip(targets)
-        .map(|(chunk, (unique, sums))| {
-            let (mut run, mut carry) = (0, 0_u32);
-            for i in chunk {
-                if begins(i) {
-                    (unique[run], sums[run]) = (keys[i], values[i]);
-                    run += 1;
-                } else {
-                    let sum = if run == 0 { &mut carry } else { &mut sums[run - 1] };
-                    *sum = sum.wrapping_add(values[i]);
+        .map(|((c, (keys, values)), (unique, sums))| {
+            let (mut last, mut sum, mut carry) = (before(c), 0_u32, 0);
+            let mut ends = unique.iter_mut().zip(sums);
+            let mut current: Option<&mut u32> = None;
+            for (&key, &value) in keys.iter().zip(values) {
+                if key != last {
+                    *current.unwrap_or(&mut carry) = sum;
+                    current = ends.next().map(|(unique, sum)| {
+                        *unique = key;
+                        sum
+                    });
+                    (last, sum) = (key, 0);
                 }
+                sum = sum.wrapping_add(value);
             }
+            *current.unwrap_or(&mut carry) = sum;
             carry
         })
         .collect();

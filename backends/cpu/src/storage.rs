@@ -2,6 +2,7 @@
 
 use backend_api::Error;
 use bytemuck::{Pod, Zeroable};
+use zerocopy::{FromBytes, IntoBytes, KnownLayout};
 
 /// The grain of storage: a cache line, so that a 64-byte cell never straddles two.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -47,8 +48,26 @@ impl Storage {
         bytemuck::cast_slice(self.bytes())
     }
 
+    /// All pairs of words; the size is a multiple of 8.
+    pub(crate) fn pairs(&self) -> &[u64] {
+        bytemuck::cast_slice(self.bytes())
+    }
+
+    /// All pairs of words, to be changed; the size is a multiple of 8.
+    pub(crate) fn pairs_mut(&mut self) -> &mut [u64] {
+        bytemuck::cast_slice_mut(self.bytes_mut())
+    }
+
     /// All words, to be changed.
     pub(crate) fn words_mut(&mut self) -> &mut [u32] {
         bytemuck::cast_slice_mut(self.bytes_mut())
     }
+}
+
+/// Bytes of a [`Storage`] as atomics. The bytes start at a multiple of `T`'s size and are a whole number of `T`.
+pub(crate) fn atomics<T>(bytes: &mut [u8]) -> &[T]
+where
+    [T]: FromBytes + IntoBytes + KnownLayout<PointerMetadata = usize>,
+{
+    <[T]>::mut_from_bytes(bytes).unwrap_or_else(|_| unreachable!("storage is aligned, and ranges of it were checked"))
 }
