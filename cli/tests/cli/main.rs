@@ -1,0 +1,9 @@
+//! The command, run as users run it.
+
+mod bad_command_lines;
+mod bad_files;
+mod bad_input;
+mod bad_scenes;
+mod command;
+mod place;
+mod scene;
