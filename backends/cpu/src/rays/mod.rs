@@ -1,4 +1,9 @@
 //! Ray casting on the CPU.
+//!
+//! [`CpuScene`] holds the scene's triangles in hierarchies of eight boxes a node and eight triangles a leaf
+//! (`layout`). A ray is made ready once (`segment`), tests the eight boxes of a node together (`traverse`), then the
+//! eight triangles of a leaf (`triangle`), in the processor's widest lanes (`lanes`). Meshes placed once are copied into
+//! the scene's space; the others are reached through a second hierarchy (`instance`).
 
 mod build;
 mod collapse;

@@ -15,6 +15,39 @@ use super::segment::{Segment, is_usable, is_within_range, rescaled};
 use super::triangle::Nearest;
 
 /// A scene's triangles, ready to be met by rays.
+///
+/// Hits do not depend on the processor: no operation is fused, and every kind of lanes gives the same bits. Of triangles
+/// at equal distance the one listed first is met. A ray whose origin or direction is not finite, or whose direction's
+/// largest component is below 2⁻¹²⁶, meets nothing. With `t_min` ≥ 0, no ray passes between triangles that share an edge
+/// (a mesh whose corners coincide is tight); behind the origin it may, within rounding.
+///
+/// # Memory
+/// 224 bytes a node and 320 bytes a block: about 80 bytes a triangle, and 8 more for triangles copied into the scene's
+/// space.
+///
+/// # Source
+/// See the modules: clustering by obvhs, then Ylitie et al. 2017 for the wide nodes, Woop et al. 2013 for the triangles.
+///
+/// # Examples
+/// ```
+/// use backend_cpu::rays::CpuScene;
+/// use glam::Vec3;
+/// use hashcache_core::geometry::{Geometry, Instance, Mesh, Ray};
+/// use hashcache_core::traits::RayCaster;
+///
+/// let scene = CpuScene::build(&Geometry {
+///     positions: &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+///     indices: &[[0, 1, 2]],
+///     meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
+///     instances: &[Instance::identity(0)],
+/// })?;
+/// let origin = Vec3::new(0.25, 0.5, 3.0);
+/// let ray = Ray { origin, t_min: 0.0, direction: Vec3::NEG_Z, t_max: f32::INFINITY };
+/// let hit = scene.closest(&ray).expect("the ray meets the triangle");
+/// assert_eq!((hit.t, hit.u, hit.v), (3.0, 0.25, 0.5));
+/// assert!(!scene.occluded(&Ray { t_max: 3.0, ..ray }));
+/// # Ok::<(), backend_api::Error>(())
+/// ```
 pub struct CpuScene {
     /// Meshes placed once or small: their triangles in the scene's space.
     flat: Option<Mesh>,
@@ -258,5 +291,54 @@ impl TraceRays for CpuScene {
 
     fn trace_occluded(&self, ray: &RayRecord) -> bool {
         self.occluded(&plain(ray))
+    }
+}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use hashcache_core::geometry::Mesh as Run;
+
+    use super::*;
+
+    #[test]
+    fn every_processor_gives_the_same_bits() {
+        let mut state = 1u32;
+        let mut next = || {
+            state = hashcache_core::hash::pcg(state);
+            state as f32 / 2_147_483_648.0 - 1.0
+        };
+        let mut vector = |scale: f32| Vec3::new(next(), next(), next()) * scale;
+        let mut positions = Vec::new();
+        for _ in 0..5000 {
+            let middle = vector(1.0);
+            positions.extend([0; 3].map(|_| (middle + vector(0.05)).to_array()));
+        }
+        let indices: Vec<[u32; 3]> = (0..5000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let meshes =
+            [Run { first_triangle: 0, triangle_count: 4000 }, Run { first_triangle: 4000, triangle_count: 1000 }];
+        let mut instances = vec![Instance::identity(0)];
+        for i in 0..70 {
+            let mut instance = Instance::identity(1);
+            instance.to_scene[0][3] = i as f32 * 0.1;
+            instance.to_scene[1][0] = 0.3;
+            instances.push(instance);
+        }
+        let geometry = Geometry { positions: &positions, indices: &indices, meshes: &meshes, instances: &instances };
+        let fast = CpuScene::build(&geometry).unwrap();
+        assert_eq!(fast.stats().references, 70);
+        let mut slow = CpuScene::build(&geometry).unwrap();
+        if fast.avx2.is_none() {
+            println!("skipped: the processor has no AVX2");
+        }
+        slow.avx2 = None;
+        let mut hits = 0;
+        for _ in 0..20_000 {
+            let ray = Ray { origin: vector(3.0), t_min: 0.0, direction: vector(1.0), t_max: f32::INFINITY };
+            let hit = fast.closest(&ray);
+            assert_eq!(hit, slow.closest(&ray), "{ray:?}");
+            assert_eq!(fast.occluded(&ray), slow.occluded(&ray), "{ray:?}");
+            hits += u32::from(hit.is_some());
+        }
+        assert!(hits > 2000, "{hits}");
     }
 }

@@ -1,0 +1,96 @@
+//! Rays a second against a million triangles, on one thread, beside obvhs' compressed eight-wide hierarchy.
+//!
+//! `cargo bench -p hashcache-backend-cpu --bench rays`; an element is a ray. The rays are those of the check figures.
+
+#[path = "../tests/rays_mesh/mod.rs"]
+mod rays_mesh;
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use backend_cpu::rays::CpuScene;
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use glam::Vec3A;
+use hashcache_core::geometry::Ray;
+use hashcache_core::traits::RayCaster;
+use obvhs::BvhBuildParams;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::ray::{Ray as BvhRay, RayHit};
+use obvhs::triangle::Triangle;
+use rays_mesh::{Blob, Rays};
+
+/// The hierarchy and triangle test of obvhs, as its documentation shows them.
+struct Baseline {
+    tree: CwBvh,
+    triangles: Vec<Triangle>,
+}
+
+impl Baseline {
+    fn new(blob: &Blob) -> Self {
+        let corner = |i: u32| Vec3A::from(blob.positions[i as usize]);
+        let triangle = |t: &[u32; 3]| Triangle { v0: corner(t[0]), v1: corner(t[1]), v2: corner(t[2]) };
+        let triangles: Vec<Triangle> = blob.indices.iter().map(triangle).collect();
+        let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+        let tree = build_cwbvh_from_tris(&triangles, params, &mut Duration::default());
+        let triangles = tree.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
+        Self { tree, triangles }
+    }
+
+    fn closest(&self, ray: &Ray) -> f32 {
+        let mut hit = RayHit::none();
+        self.tree.ray_traverse(converted(ray), &mut hit, |r, id| self.triangles[id].intersect(r));
+        hit.t
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        !self.tree.ray_traverse_miss(converted(ray), |r, id| self.triangles[id].intersect(r))
+    }
+}
+
+fn converted(ray: &Ray) -> BvhRay {
+    BvhRay::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max)
+}
+
+fn rays(c: &mut Criterion) {
+    let blob = Blob::new(512, 1024);
+    let scene = CpuScene::build(&blob.geometry()).expect("the blob is a valid mesh");
+    println!("{:?}", scene.stats());
+    let baseline = Baseline::new(&blob);
+    let rays = Rays::new(&blob, &scene, 256);
+    let count = |rays: &[Ray]| rays.iter().filter(|r| scene.closest(r).is_some()).count();
+    let same =
+        |rays: &[Ray]| rays.iter().filter(|r| scene.closest(r).is_some() == baseline.closest(r).is_finite()).count();
+    for (kind, rays) in [("primary", &rays.primary), ("diffuse", &rays.diffuse)] {
+        println!("{kind}: {} of {} rays hit, {} agree with obvhs", count(rays), rays.len(), same(rays));
+    }
+    let mut group = c.benchmark_group("backend-cpu/rays");
+    group.sample_size(10);
+    for (kind, rays) in [("primary", &rays.primary), ("diffuse", &rays.diffuse)] {
+        group.throughput(Throughput::Elements(rays.len() as u64));
+        group.bench_function(format!("{kind}/wide"), |b| {
+            b.iter(|| rays.iter().for_each(|r| drop(black_box(scene.closest(r)))));
+        });
+        group.bench_function(format!("{kind}/obvhs"), |b| {
+            b.iter(|| rays.iter().for_each(|r| drop(black_box(baseline.closest(r)))));
+        });
+    }
+    for (kind, rays) in [("shadow", &rays.shadow), ("occlusion", &rays.ambient)] {
+        group.throughput(Throughput::Elements(rays.len() as u64));
+        group.bench_function(format!("{kind}/wide"), |b| {
+            b.iter(|| rays.iter().for_each(|r| drop(black_box(scene.occluded(r)))));
+        });
+        group.bench_function(format!("{kind}/obvhs"), |b| {
+            b.iter(|| rays.iter().for_each(|r| drop(black_box(baseline.occluded(r)))));
+        });
+    }
+    group.finish();
+    let mut build = c.benchmark_group("backend-cpu/rays/build");
+    build.sample_size(10).throughput(Throughput::Elements(blob.indices.len() as u64));
+    build.bench_function("wide", |b| b.iter(|| CpuScene::build(&blob.geometry())));
+    build.bench_function("obvhs", |b| b.iter(|| Baseline::new(&blob).triangles.len()));
+    build.finish();
+}
+
+criterion_group!(benches, rays);
+criterion_main!(benches);

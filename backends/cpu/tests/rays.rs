@@ -1,0 +1,430 @@
+//! Laws of the ray caster, on hostile geometry, beside an intersector that tries every triangle in f64.
+
+use backend_api::Error;
+use backend_cpu::rays::CpuScene;
+use glam::{DVec3, Vec3};
+use hashcache_core::geometry::{Geometry, Hit, Instance, Mesh, Ray};
+use hashcache_core::traits::RayCaster;
+use proptest::prelude::*;
+
+/// Triangles with corners of their own, placed by instances that all show the whole.
+struct Soup {
+    positions: Vec<[f32; 3]>,
+    indices: Vec<[u32; 3]>,
+    meshes: Vec<Mesh>,
+    instances: Vec<Instance>,
+}
+
+impl Soup {
+    fn new(triangles: &[[Vec3; 3]]) -> Self {
+        let positions = triangles.iter().flatten().map(|p| p.to_array()).collect();
+        let count = triangles.len() as u32;
+        Self {
+            positions,
+            indices: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            meshes: vec![Mesh { first_triangle: 0, triangle_count: count }],
+            instances: vec![Instance::identity(0)],
+        }
+    }
+
+    fn geometry(&self) -> Geometry<'_> {
+        Geometry {
+            positions: &self.positions,
+            indices: &self.indices,
+            meshes: &self.meshes,
+            instances: &self.instances,
+        }
+    }
+
+    fn scene(&self) -> CpuScene {
+        CpuScene::build(&self.geometry()).unwrap()
+    }
+
+    /// Distance, instance and triangle of every hit, near ones first, by Cramer's rule in f64; and whether the ray
+    /// keeps clear of every edge and of every tie, so that rounding cannot change the answer.
+    fn every_hit(&self, ray: &Ray) -> (Vec<(f64, u32, u32)>, bool) {
+        const CLEAR: f64 = 1e-3;
+        let (mut hits, mut clear) = (Vec::new(), true);
+        for (number, instance) in (0..).zip(&self.instances) {
+            for (index, corners) in (0..).zip(&self.indices) {
+                let [a, b, c] = corners.map(|i| place(instance, Vec3::from(self.positions[i as usize]).as_dvec3()));
+                let (e1, e2) = (b - a, c - a);
+                let (d, s) = (ray.direction.as_dvec3(), ray.origin.as_dvec3() - a);
+                let p = d.cross(e2);
+                let det = e1.dot(p);
+                let tilt = det.abs() / (e1.cross(e2).length() * d.length());
+                let (u, v) = (s.dot(p) / det, d.dot(s.cross(e1)) / det);
+                let t = e2.dot(s.cross(e1)) / det;
+                let inner = u.min(v).min(1.0 - u - v);
+                if tilt.is_nan() || tilt < CLEAR {
+                    // Seen from the side, or without area: clear when the ray passes well away from it.
+                    let away = [a, b, c].iter().all(|x| {
+                        let x = *x - ray.origin.as_dvec3();
+                        x.cross(d).length() > CLEAR * 1000.0 * (e1.length() + e2.length()) * d.length()
+                    });
+                    clear &= away;
+                } else {
+                    let near_end = [ray.t_min, ray.t_max].iter().any(|&e| (t - f64::from(e)).abs() <= CLEAR * t.abs());
+                    let near_start = t.abs() * d.length() < CLEAR * ray.origin.as_dvec3().length();
+                    clear &= inner.abs() > CLEAR && !(inner > 0.0 && (near_end || near_start));
+                    if inner >= 0.0 && t > f64::from(ray.t_min) && t < f64::from(ray.t_max) {
+                        hits.push((t, number, index));
+                    }
+                }
+            }
+        }
+        hits.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if let [first, second, ..] = hits[..] {
+            clear &= second.0 - first.0 > CLEAR * second.0;
+        }
+        (hits, clear)
+    }
+}
+
+fn place(instance: &Instance, p: DVec3) -> DVec3 {
+    let row = |r: [f32; 4]| DVec3::new(r[0].into(), r[1].into(), r[2].into()).dot(p) + f64::from(r[3]);
+    DVec3::from(instance.to_scene.map(row))
+}
+
+/// `pcg`-like numbers for tests that need many.
+struct Numbers(u32);
+
+impl Numbers {
+    /// In [−1, 1).
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(1);
+        hashcache_core::hash::pcg(self.0) as f32 / 2_147_483_648.0 - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.next(), self.next(), self.next())
+    }
+}
+
+fn rays(seed: u32, scale: f32, count: usize) -> Vec<Ray> {
+    let mut numbers = Numbers(seed);
+    let ray = |_| Ray {
+        origin: numbers.vector() * scale,
+        t_min: 0.0,
+        // Lengths from 1e-6 to 1e6.
+        direction: numbers.vector() * 10f32.powf(6.0 * numbers.next()),
+        t_max: f32::INFINITY,
+    };
+    (0..count).map(ray).collect()
+}
+
+/// Compares with the model; returns how many rays were clear of edges and ties.
+fn compare(soup: &Soup, scene: &CpuScene, rays: &[Ray]) -> usize {
+    let mut clear_rays = 0;
+    for ray in rays {
+        let hit = scene.closest(ray);
+        assert_eq!(scene.occluded(ray), hit.is_some(), "{ray:?}");
+        let (hits, clear) = soup.every_hit(ray);
+        if clear {
+            clear_rays += 1;
+            let Some(&(t, instance, triangle)) = hits.first() else {
+                assert_eq!(hit, None, "{ray:?}");
+                continue;
+            };
+            let hit = hit.unwrap_or_else(|| panic!("{ray:?} should meet {triangle} at {t}"));
+            assert_eq!((hit.instance, hit.triangle), (instance, triangle), "{ray:?} {hit:?} at {t}");
+            let point = soup.point(&hit);
+            let on_ray = ray.origin.as_dvec3() + ray.direction.as_dvec3() * t;
+            // Rounding to f32, made worse a thousandfold where a triangle is seen almost from the side.
+            let size = ray.origin.as_dvec3().length() + point.length();
+            let error = (f64::from(hit.t) - t).abs() * ray.direction.as_dvec3().length();
+            assert!(error <= 1e-4 * size, "{ray:?} {hit:?} at {t}");
+            assert!((point - on_ray).length() <= 1e-4 * size, "{ray:?} {hit:?}: {point} is not {on_ray}");
+        }
+    }
+    clear_rays
+}
+
+impl Soup {
+    /// The point that a hit's barycentric weights name.
+    fn point(&self, hit: &Hit) -> DVec3 {
+        let instance = &self.instances[hit.instance as usize];
+        let [a, b, c] = self.indices[hit.triangle as usize]
+            .map(|i| place(instance, Vec3::from(self.positions[i as usize]).as_dvec3()));
+        a + (b - a) * f64::from(hit.u) + (c - a) * f64::from(hit.v)
+    }
+}
+
+fn soup(seed: u32, count: usize, scale: f32, size: f32) -> Soup {
+    let mut numbers = Numbers(seed);
+    let triangle = |_| {
+        let middle = numbers.vector();
+        [0; 3].map(|_| (middle + numbers.vector() * size) * scale)
+    };
+    Soup::new(&(0..count).map(triangle).collect::<Vec<_>>())
+}
+
+#[test]
+fn hits_are_those_of_the_model_at_every_scale() {
+    for (seed, scale) in [(1, 1e-4), (2, 1.0), (3, 1e7)] {
+        for (count, size) in [(1, 1.0), (7, 0.7), (60, 0.5), (400, 0.2), (3000, 0.05)] {
+            let soup = soup(seed * 1_000_000, count, scale, size);
+            let rays = rays(seed * 77_777, scale, 300);
+            let clear = compare(&soup, &soup.scene(), &rays);
+            assert!(clear > 150, "{count} triangles, scale {scale}: {clear} clear rays");
+        }
+    }
+}
+
+#[test]
+fn placed_meshes_are_met_where_they_stand() {
+    let mut soup = soup(5, 300, 1.0, 0.1);
+    soup.instances.clear();
+    let mut numbers = Numbers(99);
+    // 300 triangles × 250 places are more than are copied: rays are brought into the mesh's space.
+    for i in 0..250 {
+        let mut rows = [[0.0; 4]; 3];
+        for (axis, row) in rows.iter_mut().enumerate() {
+            // Sheared, scaled unevenly, every other one mirrored.
+            *row = [numbers.next() * 0.3, numbers.next() * 0.3, numbers.next() * 0.3, numbers.next() * 20.0];
+            row[axis] += 1.0 + numbers.next() * 0.6;
+        }
+        if i % 2 == 0 {
+            rows[0] = rows[0].map(|x| -x);
+        }
+        soup.instances.push(Instance { to_scene: rows, mesh: 0, mirrored: u32::from(i % 2 == 0), reserved: [0; 2] });
+    }
+    let scene = soup.scene();
+    assert_eq!(scene.stats().references, 250);
+    assert_eq!(scene.stats().triangles, 300);
+    let clear = compare(&soup, &scene, &rays(7, 20.0, 300));
+    assert!(clear > 150, "{clear}");
+}
+
+#[test]
+fn copies_that_cannot_be_turned_round_are_met_too() {
+    // Flat: the map loses an axis, so there is no way back; the mesh is a plane picture of itself.
+    let mut soup = soup(6, 300, 1.0, 0.1);
+    soup.instances = (0..250)
+        .map(|i| Instance {
+            to_scene: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, i as f32]],
+            mesh: 0,
+            mirrored: 0,
+            reserved: [0; 2],
+        })
+        .collect();
+    let scene = soup.scene();
+    assert_eq!(scene.stats().references, 0);
+    let clear = compare(&soup, &scene, &rays(8, 1.0, 60));
+    assert!(clear > 10, "{clear}");
+}
+
+/// The surface of a cube of `n`³ cells from 0 to `n`.
+fn cube(n: u32) -> Soup {
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        for side in [0.0, n as f32] {
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i as f32, j as f32))) {
+                let point = |u: f32, v: f32| {
+                    let mut p = [u; 3];
+                    p[axis] = side;
+                    p[(axis + 2) % 3] = v;
+                    Vec3::from(p)
+                };
+                triangles.push([point(i, j), point(i + 1.0, j), point(i + 1.0, j + 1.0)]);
+                triangles.push([point(i, j), point(i + 1.0, j + 1.0), point(i, j + 1.0)]);
+            }
+        }
+    }
+    Soup::new(&triangles)
+}
+
+/// Every point whose coordinates are among `values`.
+fn triples(values: &[f32]) -> Vec<Vec3> {
+    let mut points = Vec::new();
+    for &x in values {
+        for &y in values {
+            points.extend(values.iter().map(|&z| Vec3::new(x, y, z)));
+        }
+    }
+    points
+}
+
+#[test]
+fn rays_along_axes_and_through_corners_do_not_pass() {
+    let n = 6;
+    let scene = cube(n).scene();
+    let places: Vec<f32> = (1..2 * n).map(|i| i as f32 * 0.5).collect();
+    let steps = [-2.0, -1.0, -0.0, 0.0, 0.5, 1.0];
+    let mut count = 0;
+    for origin in triples(&places) {
+        for direction in triples(&steps) {
+            let ray = Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY };
+            if direction != Vec3::ZERO {
+                let hit = scene.closest(&ray).unwrap_or_else(|| panic!("{ray:?} leaves the cube"));
+                let end = origin + direction * hit.t;
+                let reach = (end - 3.0).abs().max_element();
+                assert!((reach - 3.0).abs() < 1e-5, "{ray:?} {hit:?} ends inside, at {end}");
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 200_000, "{count}");
+}
+
+#[test]
+fn a_ray_in_the_plane_of_a_wall_meets_what_stands_on_it() {
+    // The upright triangle touches the plane x = 1 with its edge; the ray runs within that plane.
+    let wall = [Vec3::new(1.0, -1.0, 0.0), Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 0.0, 9.0)];
+    let upright = [Vec3::new(0.0, -1.0, 5.0), Vec3::new(1.0, -1.0, 5.0), Vec3::new(1.0, 1.0, 5.0)];
+    let scene = Soup::new(&[wall, upright]).scene();
+    let ray = Ray { origin: Vec3::X, t_min: 0.0, direction: Vec3::Z, t_max: f32::INFINITY };
+    let hit = scene.closest(&ray).unwrap();
+    assert_eq!((hit.triangle, hit.t), (1, 5.0));
+}
+
+#[test]
+fn of_equal_triangles_the_first_is_met() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let scene = Soup::new(&[triangle; 200]).scene();
+    let mut numbers = Numbers(3);
+    for _ in 0..200 {
+        let (u, v) = (0.25 + 0.2 * numbers.next(), 0.25 + 0.2 * numbers.next());
+        let ray = Ray { origin: Vec3::new(u, v, 1.0), t_min: 0.0, direction: Vec3::NEG_Z, t_max: 2.0 };
+        assert_eq!(scene.closest(&ray).unwrap().triangle, 0);
+    }
+}
+
+#[test]
+fn sizes_of_every_magnitude_fit_one_scene() {
+    // Nested triangles from 1e-12 to 1e12: the binary hierarchy is a chain.
+    let triangles: Vec<[Vec3; 3]> = (0..400)
+        .map(|i| {
+            let size = 10f32.powf(i as f32 * 0.06 - 12.0);
+            [Vec3::new(-size, -size, size), Vec3::new(size, -size, size), Vec3::new(0.0, size, size)]
+        })
+        .collect();
+    let soup = Soup::new(&triangles);
+    let scene = soup.scene();
+    for i in 0..400 {
+        let (z, direction) = (triangles[i][0].z, Vec3::new(0.0, 0.01, 1.0));
+        let ray = Ray { origin: Vec3::ZERO, t_min: z * 0.99, direction, t_max: f32::INFINITY };
+        let hit = scene.closest(&ray).unwrap();
+        assert_eq!(hit.triangle, i as u32, "{hit:?}");
+        assert!((hit.t - z).abs() <= 1e-5 * z);
+    }
+}
+
+#[test]
+fn what_is_not_a_number_meets_nothing_and_stops_nothing() {
+    let wall = [Vec3::new(-9.0, -9.0, 1.0), Vec3::new(9.0, -9.0, 1.0), Vec3::new(0.0, 9.0, 1.0)];
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX];
+    let mut triangles = vec![wall];
+    for (corner, x) in (0..3).flat_map(|corner| bad.map(|x| (corner, x))) {
+        let mut triangle = wall.map(|p| p * 0.5);
+        triangle[corner][corner] = x;
+        triangles.push(triangle);
+    }
+    triangles.push([Vec3::ONE; 3]);
+    let scene = Soup::new(&triangles).scene();
+    assert_eq!(scene.stats().skipped, 13);
+    let good = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::Z, t_max: f32::INFINITY };
+    assert_eq!(scene.closest(&good).unwrap().triangle, 0);
+    let mut rays = vec![
+        Ray { direction: Vec3::ZERO, ..good },
+        Ray { t_min: 2.0, t_max: 1.5, ..good },
+        Ray { t_min: 1.0, t_max: 1.0, ..good },
+        Ray { t_min: f32::NAN, ..good },
+        Ray { t_max: f32::NAN, ..good },
+    ];
+    for (axis, &x) in (0..3).flat_map(|axis| bad[..3].iter().map(move |x| (axis, x))) {
+        let mut ray = good;
+        ray.origin[axis] = x;
+        rays.push(ray);
+        ray = good;
+        ray.direction[axis] = x;
+        rays.push(ray);
+    }
+    for ray in rays {
+        assert_eq!(scene.closest(&ray), None, "{ray:?}");
+        assert!(!scene.occluded(&ray), "{ray:?}");
+    }
+}
+
+#[test]
+fn nothing_to_meet_is_no_error() {
+    let empty = Geometry { positions: &[], indices: &[], meshes: &[], instances: &[] };
+    let hollow = Geometry {
+        meshes: &[Mesh { first_triangle: 0, triangle_count: 0 }],
+        instances: &[Instance::identity(0); 3],
+        ..empty
+    };
+    let ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::Z, t_max: f32::INFINITY };
+    for geometry in [empty, hollow] {
+        let scene = CpuScene::build(&geometry).unwrap();
+        assert_eq!(scene.closest(&ray), None);
+        assert!(!scene.occluded(&ray));
+    }
+}
+
+#[test]
+fn what_names_nothing_is_refused() {
+    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let whole = [Mesh { first_triangle: 0, triangle_count: 1 }];
+    let good =
+        Geometry { positions: &positions, indices: &[[0, 1, 2]], meshes: &whole, instances: &[Instance::identity(0)] };
+    assert!(CpuScene::build(&good).is_ok());
+    let long = [Mesh { first_triangle: u32::MAX, triangle_count: u32::MAX }];
+    for bad in [
+        Geometry { indices: &[[0, 1, 3]], ..good },
+        Geometry { instances: &[Instance::identity(1)], ..good },
+        Geometry { meshes: &long, instances: &[], ..good },
+    ] {
+        assert!(matches!(CpuScene::build(&bad), Err(Error::BadRange { at: "geometry", .. })));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn the_interval_is_open(seed in any::<u32>(), count in 1usize..40, exponent in -4i32..8) {
+        let scale = 10f32.powi(exponent);
+        let scene = soup(seed, count, scale, 0.8).scene();
+        for ray in rays(seed ^ 1, scale, 20) {
+            let Some(hit) = scene.closest(&ray) else { continue };
+            let before = Ray { t_max: hit.t, ..ray };
+            prop_assert_eq!(scene.closest(&before), None);
+            prop_assert!(!scene.occluded(&before));
+            let beyond = Ray { t_min: hit.t, ..ray };
+            let next = scene.closest(&beyond);
+            prop_assert_eq!(scene.occluded(&beyond), next.is_some());
+            prop_assert!(next.is_none_or(|next| next.t > hit.t));
+            let just = Ray { t_max: hit.t.next_up(), ..ray };
+            prop_assert_eq!(scene.closest(&just), Some(hit));
+            prop_assert!(hit.u >= 0.0 && hit.v >= 0.0 && hit.u + hit.v <= 1.000_001);
+        }
+    }
+
+    #[test]
+    fn a_longer_direction_gives_shorter_distances(seed in any::<u32>(), exponent in -100i32..100) {
+        let factor = 2f32.powi(exponent);
+        let scene = soup(seed, 30, 1.0, 0.8).scene();
+        for mut ray in rays(seed ^ 2, 1.0, 20) {
+            ray.direction = ray.direction.normalize();
+            let long = Ray { direction: ray.direction * factor, ..ray };
+            let (hit, other) = (scene.closest(&ray), scene.closest(&long));
+            prop_assert_eq!(hit.map(|h| (h.triangle, h.u, h.v)), other.map(|h| (h.triangle, h.u, h.v)));
+            if let (Some(hit), Some(other)) = (hit, other) {
+                prop_assert_eq!(other.t, hit.t / factor);
+            }
+        }
+    }
+
+    #[test]
+    fn any_ray_gets_an_answer(values in prop::array::uniform8(any::<f32>()), seed in any::<u32>()) {
+        let scene = soup(seed, 20, 1.0, 0.8).scene();
+        let [x, y, z, t_min, a, b, c, t_max] = values;
+        let ray = Ray { origin: Vec3::new(x, y, z), t_min, direction: Vec3::new(a, b, c), t_max };
+        let hit = scene.closest(&ray);
+        prop_assert_eq!(scene.occluded(&ray), hit.is_some());
+        if let Some(hit) = hit {
+            prop_assert!(hit.t > t_min && hit.t < t_max && hit.u.is_finite() && hit.v.is_finite());
+        }
+    }
+}
