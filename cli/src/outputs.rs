@@ -1,10 +1,10 @@
 //! The files of a render: checked before the work, written whole or not at all.
 
-use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::{fmt, fs};
 
-use hashcache::image_file::{self, Image};
+use hashcache::image_file::{self, Image, ImageError};
 use tempfile::TempDir;
 
 use crate::failure::Failure;
@@ -46,17 +46,20 @@ impl Outputs {
         let mut staged = Vec::new();
         for place in &self.images {
             let (folder, file) = place.stage()?;
-            image_file::write(&file, image).map_err(|error| place.failure(&error))?;
+            image_file::write(&file, image).map_err(|error| match error {
+                ImageError::Write { reason, .. } => place.failure(&reason),
+                error => error.into(),
+            })?;
             staged.push((place, folder, file));
         }
         if let Some(place) = &self.stats {
             let (folder, file) = place.stage()?;
             let written = fs::File::create_new(&file).and_then(|mut out| out.write_all(stats));
-            written.map_err(|error| place.failure(&error))?;
+            written.map_err(|error| place.failure(&error.kind()))?;
             staged.push((place, folder, file));
         }
         for (place, _folder, file) in &staged {
-            fs::rename(file, place.folder.join(&place.name)).map_err(|error| place.failure(&error))?;
+            fs::rename(file, place.folder.join(&place.name)).map_err(|error| place.failure(&error.kind()))?;
         }
         Ok(())
     }
@@ -93,13 +96,14 @@ impl Place {
     /// A folder that goes away with the value, in the place's own folder so that a rename suffices, and the file in it.
     fn stage(&self) -> Result<(TempDir, PathBuf), Failure> {
         let folder = tempfile::Builder::new().prefix(".hashcache-").tempdir_in(&self.folder);
-        let folder = folder.map_err(|error| self.failure(&error))?;
+        let folder = folder.map_err(|error| self.failure(&error.kind()))?;
         let file = folder.path().join(&self.name);
         Ok((folder, file))
     }
 
-    fn failure(&self, error: &dyn std::error::Error) -> Failure {
-        Failure::other(format!("{}: cannot be written ({error}); choose a place that can", self.path.display()))
+    /// The reason without the names of temporary files, which say nothing to the user.
+    fn failure(&self, reason: &dyn fmt::Display) -> Failure {
+        Failure::other(format!("{}: cannot be written ({reason}); choose another place", self.path.display()))
     }
 }
 
