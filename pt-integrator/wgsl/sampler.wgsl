@@ -16,11 +16,11 @@ fn pt_nested_uniform_scramble(x: u32, seed: u32) -> u32 {
 
 fn pt_sobol_second(index: u32) -> u32 {
     var v = index;
-    v ^= v << 16u;
-    v ^= (v & 0x00ff00ffu) << 8u;
-    v ^= (v & 0x0f0f0f0fu) << 4u;
-    v ^= (v & 0x33333333u) << 2u;
-    v ^= (v & 0x55555555u) << 1u;
+    v ^= v >> 16u;
+    v ^= (v & 0xff00ff00u) >> 8u;
+    v ^= (v & 0xf0f0f0f0u) >> 4u;
+    v ^= (v & 0xccccccccu) >> 2u;
+    v ^= (v & 0xaaaaaaaau) >> 1u;
     return v;
 }
 

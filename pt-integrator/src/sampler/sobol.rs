@@ -79,11 +79,11 @@ pub const fn sobol_value(index_reversed: u32, seed: u32, dimension: u32) -> u32 
 #[inline]
 pub const fn sobol_second(index: u32) -> u32 {
     let mut v = index;
-    v ^= v << 16;
-    v ^= (v & 0x00ff_00ff) << 8;
-    v ^= (v & 0x0f0f_0f0f) << 4;
-    v ^= (v & 0x3333_3333) << 2;
-    v ^= (v & 0x5555_5555) << 1;
+    v ^= v >> 16;
+    v ^= (v & 0xff00_ff00) >> 8;
+    v ^= (v & 0xf0f0_f0f0) >> 4;
+    v ^= (v & 0xcccc_cccc) >> 2;
+    v ^= (v & 0xaaaa_aaaa) >> 1;
     v
 }
 
