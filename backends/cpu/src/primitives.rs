@@ -101,7 +101,9 @@ fn move_by_byte(pairs: &[u64], target: &[AtomicU64], byte: u32) -> bool {
         .par_chunks(SORTED)
         .map(|chunk| {
             let mut counts = [0; 256];
-            chunk.iter().for_each(|&pair| counts[digit(pair)] += 1);
+            for &pair in chunk {
+                counts[digit(pair)] += 1;
+            }
             counts
         })
         .collect();
