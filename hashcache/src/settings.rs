@@ -84,7 +84,7 @@ impl Default for Settings {
             launcher: Launcher::Rayon,
             roulette_depth: None,
             direct: DirectLight::Cached,
-            grid_cell: 16.0,
+            grid_cell: 24.0,
             grid_jitter: 1.0,
             grid_normal_bins: 3,
             grid_slots: None,
