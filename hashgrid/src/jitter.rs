@@ -11,7 +11,7 @@ pub const SALT_LOOKUP: u32 = 0x7f4a_7c15;
 /// A whole number in `-range..range` from 16 random bits, uniform up to 2⁻¹⁶. `range` is at most 32768.
 #[inline]
 pub const fn draw(bits: u32, range: u32) -> i32 {
-    ((bits & 0xffff) * (2 * range) >> 16) as i32 - range as i32
+    (((bits & 0xffff) * (2 * range)) >> 16) as i32 - range as i32
 }
 
 /// `v` turned so that component `axis` comes first and the others follow in cyclic order.

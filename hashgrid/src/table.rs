@@ -231,8 +231,8 @@ impl<'a> Table<'a> {
 
     /// [`find_at`](Self::find_at) with word 0 of the home as read before (since the last claim).
     #[inline]
-    pub fn find_from(&self, home_slot: u32, fingerprint: u32, head: u64) -> Found {
-        let (mut slot, mut head) = (home_slot, head);
+    pub fn find_from(&self, home_slot: u32, fingerprint: u32, home_head: u64) -> Found {
+        let (mut slot, mut head) = (home_slot, home_head);
         for distance in 0..self.max_probes {
             let found = (head >> 32) as u32;
             if found == EMPTY {

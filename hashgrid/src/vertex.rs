@@ -1,7 +1,7 @@
 //! Claim, deposit and lookup of path vertices: what kernels and host programs run over their records.
 
 use hashcache_core::counters::Counters;
-use hashcache_core::exact::{Quantized, quantize};
+use hashcache_core::exact::{Outcome, Quantized, quantize};
 use hashcache_core::glam::Vec3;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
@@ -32,12 +32,18 @@ fn start(table: &Table<'_>, params: &Params, vertex: &VertexRecord, salt: u32) -
     Some(Start { slot: table.home_slot(&key), fingerprint: fingerprint(&key) })
 }
 
-/// The starts of up to [`BATCH`] vertices and the first word of each one's home, all read before any is needed.
+/// The starts of up to [`BATCH`] vertices, each with the first word of its home.
+///
+/// The words are read in a loop of their own: only so close together do their misses overlap (keys take more
+/// instructions than a core looks ahead).
 #[inline]
 fn starts(table: &Table<'_>, params: &Params, vertices: &[VertexRecord], salt: u32) -> [Option<(Start, u64)>; BATCH] {
     let mut starts = [None; BATCH];
     for (to, vertex) in starts.iter_mut().zip(vertices) {
-        *to = start(table, params, vertex, salt).map(|start| (start, table.head(start.slot)));
+        *to = start(table, params, vertex, salt).map(|start| (start, 0));
+    }
+    for (start, head) in starts.iter_mut().flatten() {
+        *head = table.head(start.slot);
     }
     starts
 }
@@ -69,10 +75,23 @@ pub fn deposit_vertices(table: &Table<'_>, params: &Params, vertices: &[VertexRe
             let values = quantize_vertex(params, vertex);
             let found = start.map(|(start, head)| table.find_from(start.slot, start.fingerprint, head));
             let stored = deposit_found(table, found, &values, counters);
-            for value in &values {
-                counters.note(value, stored);
-            }
+            note_all(&values, stored, counters);
         }
+    }
+}
+
+/// [`Counters::note`] for all channels of a vertex.
+#[inline]
+fn note_all(values: &[Quantized; 6], stored: bool, counters: &mut Counters) {
+    if values.iter().all(|value| value.outcome == Outcome::Exact) {
+        // Nearly always, and then there is one number to add: six of 2³³ at most.
+        let energy = values.iter().map(|value| value.value).sum();
+        let whole = Quantized { value: energy, lost: 0, outcome: Outcome::Exact };
+        counters.note(&whole, stored);
+        return;
+    }
+    for value in values {
+        counters.note(value, stored);
     }
 }
 

@@ -56,7 +56,6 @@ mod wide {
 }
 
 #[cfg(any(test, not(target_has_atomic = "64")))]
-#[cfg_attr(target_has_atomic = "64", expect(dead_code, reason = "here it is only compared with the other kind"))]
 mod pair {
     use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -123,3 +122,57 @@ pub(crate) use pair::{add, add_low, clear_high, get, min_high, set};
 pub use wide::Word;
 #[cfg(target_has_atomic = "64")]
 pub(crate) use wide::{add, add_low, clear_high, get, min_high, set};
+
+#[cfg(all(test, target_has_atomic = "64"))]
+mod tests {
+    use std::thread;
+    use std::vec::Vec;
+
+    use hashcache_core::hash::pcg2d;
+
+    use super::{pair, wide};
+
+    /// Both kinds hold the same after the same steps by several threads at once.
+    #[test]
+    fn pairs_are_as_good_as_wide_words() {
+        let (word, twin) = (wide::Word::new(u64::MAX - 3), pair::Word::new(u64::MAX - 3));
+        let (head, head_twin) = (wide::Word::new(u64::MAX << 32), pair::Word::new(u64::MAX << 32));
+        thread::scope(|scope| {
+            for t in 0..3 {
+                let (word, twin, head, head_twin) = (&word, &twin, &head, &head_twin);
+                scope.spawn(move || {
+                    for i in 0..10_000 {
+                        let [a, b] = pcg2d([i, t]);
+                        let value = (u64::from(a) << 20) + u64::from(b);
+                        wide::add(word, value);
+                        pair::add(twin, value);
+                        wide::min_high(head, a);
+                        pair::min_high(head_twin, a);
+                        wide::add_low(head, 3);
+                        pair::add_low(head_twin, 3);
+                    }
+                });
+            }
+        });
+        wide::clear_high(&head, 0xf0);
+        pair::clear_high(&head_twin, 0xf0);
+        assert_eq!(wide::get(&word), pair::get(&twin));
+        assert_eq!(wide::get(&head), pair::get(&head_twin));
+        assert_eq!(wide::get(&head) as u32, 90_000);
+        wide::set(&word, 7 << 40);
+        pair::set(&twin, 7 << 40);
+        assert_eq!(wide::get(&word), pair::get(&twin));
+    }
+
+    /// The smaller stays, and who asked is told what was there.
+    #[test]
+    fn minima_return_what_was_there() {
+        let steps = [9, 5, 7, 5, 1];
+        let (word, twin) = (wide::Word::new(0x8_0000_004d), pair::Word::new(0x8_0000_004d));
+        let wide: Vec<u32> = steps.iter().map(|v| wide::min_high(&word, *v)).collect();
+        let pair: Vec<u32> = steps.iter().map(|v| pair::min_high(&twin, *v)).collect();
+        assert_eq!(wide, [8, 8, 5, 5, 5]);
+        assert_eq!(pair, wide);
+        assert_eq!((wide::get(&word), pair::get(&twin)), (0x1_0000_004d, 0x1_0000_004d));
+    }
+}
