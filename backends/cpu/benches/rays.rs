@@ -9,7 +9,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use backend_cpu::rays::CpuScene;
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Bencher, Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3A;
 use hashcache_core::geometry::Ray;
 use hashcache_core::traits::RayCaster;
@@ -52,6 +52,15 @@ fn converted(ray: &Ray) -> BvhRay {
     BvhRay::new(ray.origin.into(), ray.direction.into(), ray.t_min, ray.t_max)
 }
 
+/// Times `cast` for all rays, one after the other.
+fn each<T>(b: &mut Bencher<'_>, rays: &[Ray], cast: impl Fn(&Ray) -> T) {
+    b.iter(|| {
+        for ray in rays {
+            black_box(cast(black_box(ray)));
+        }
+    });
+}
+
 fn rays(c: &mut Criterion) {
     let blob = Blob::new(512, 1024);
     let scene = CpuScene::build(&blob.geometry()).expect("the blob is a valid mesh");
@@ -68,21 +77,13 @@ fn rays(c: &mut Criterion) {
     group.sample_size(10);
     for (kind, rays) in [("primary", &rays.primary), ("diffuse", &rays.diffuse)] {
         group.throughput(Throughput::Elements(rays.len() as u64));
-        group.bench_function(format!("{kind}/wide"), |b| {
-            b.iter(|| rays.iter().for_each(|r| drop(black_box(scene.closest(r)))));
-        });
-        group.bench_function(format!("{kind}/obvhs"), |b| {
-            b.iter(|| rays.iter().for_each(|r| drop(black_box(baseline.closest(r)))));
-        });
+        group.bench_function(format!("{kind}/wide"), |b| each(b, rays, |r| scene.closest(r)));
+        group.bench_function(format!("{kind}/obvhs"), |b| each(b, rays, |r| baseline.closest(r)));
     }
     for (kind, rays) in [("shadow", &rays.shadow), ("occlusion", &rays.ambient)] {
         group.throughput(Throughput::Elements(rays.len() as u64));
-        group.bench_function(format!("{kind}/wide"), |b| {
-            b.iter(|| rays.iter().for_each(|r| drop(black_box(scene.occluded(r)))));
-        });
-        group.bench_function(format!("{kind}/obvhs"), |b| {
-            b.iter(|| rays.iter().for_each(|r| drop(black_box(baseline.occluded(r)))));
-        });
+        group.bench_function(format!("{kind}/wide"), |b| each(b, rays, |r| scene.occluded(r)));
+        group.bench_function(format!("{kind}/obvhs"), |b| each(b, rays, |r| baseline.occluded(r)));
     }
     group.finish();
     let mut build = c.benchmark_group("backend-cpu/rays/build");

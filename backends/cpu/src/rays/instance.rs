@@ -8,7 +8,7 @@ use super::build::hierarchy;
 use super::lanes::Lanes;
 use super::layout::{LEAF, Rows, WIDTH};
 use super::mesh::Mesh;
-use super::segment::{Segment, is_within_range};
+use super::ray::is_within_range;
 use super::traverse::{any, nearest_first};
 use super::triangle::Nearest;
 
@@ -43,13 +43,13 @@ impl Placed {
 
     /// The ray in the mesh's space. Its direction keeps the length that the map gives it, so distances stay equal.
     #[inline(always)]
-    fn inward(&self, s: &Segment) -> Segment {
-        Segment::new(&Ray {
-            origin: self.inverse * (Vec3::from(s.origin) - self.translation),
-            t_min: s.t_min,
-            direction: self.inverse * Vec3::from(s.direction),
-            t_max: s.t_max,
-        })
+    fn inward(&self, ray: &Ray) -> Ray {
+        Ray {
+            origin: self.inverse * (ray.origin - self.translation),
+            t_min: ray.t_min,
+            direction: self.inverse * ray.direction,
+            t_max: ray.t_max,
+        }
     }
 }
 
@@ -87,22 +87,17 @@ impl Placements {
 
     /// Moves `nearest` to the nearest triangle before it. Returns the instance if it did.
     #[inline(always)]
-    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>>(
-        &self,
-        l: L,
-        s: &Segment,
-        nearest: &mut Nearest,
-    ) -> Option<u32> {
+    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray, nearest: &mut Nearest) -> Option<u32> {
         let mut found = None;
         nearest_first(
             l,
             &self.rows,
-            s,
+            ray,
             nearest.t,
             #[inline(always)]
             |leaf| {
                 let placed = &self.placed[leaf];
-                let inner = placed.inward(s);
+                let inner = placed.inward(ray);
                 let mut candidate = Nearest { id: u32::MAX, ..*nearest };
                 self.meshes[placed.mesh].closest(l, &inner, &mut candidate);
                 // A candidate is never farther than what was found before.
@@ -119,15 +114,15 @@ impl Placements {
 
     /// Whether a triangle lies on the segment.
     #[inline(always)]
-    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, s: &Segment) -> bool {
+    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> bool {
         any(
             l,
             &self.rows,
-            s,
+            ray,
             #[inline(always)]
             |leaf| {
                 let placed = &self.placed[leaf];
-                self.meshes[placed.mesh].occluded(l, &placed.inward(s))
+                self.meshes[placed.mesh].occluded(l, &placed.inward(ray))
             },
         )
     }

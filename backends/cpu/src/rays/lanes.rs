@@ -29,8 +29,6 @@ pub(super) trait Lanes<const N: usize>: Copy {
     fn le(self, a: Self::Vector, b: Self::Vector) -> u32;
     /// Bit `i` is set where `a < b`.
     fn lt(self, a: Self::Vector, b: Self::Vector) -> u32;
-    /// Starts to bring the four cache lines from `start` on near the processor. Changes no result; any address will do.
-    fn prefetch<T>(self, start: *const T);
 }
 
 /// Plain Rust, for any processor.
@@ -151,7 +149,4 @@ impl<const N: usize> Lanes<N> for Portable {
             |a, b| a < b,
         )
     }
-
-    #[inline(always)]
-    fn prefetch<T>(self, _: *const T) {}
 }

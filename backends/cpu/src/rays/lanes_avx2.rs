@@ -6,9 +6,9 @@
 )]
 
 use core::arch::x86_64::{
-    __m128, __m256, _CMP_LE_OQ, _CMP_LT_OQ, _MM_HINT_T0, _mm_add_ps, _mm_cmp_ps, _mm_div_ps, _mm_max_ps, _mm_min_ps,
-    _mm_movemask_ps, _mm_mul_ps, _mm_prefetch, _mm_set1_ps, _mm_sub_ps, _mm256_add_ps, _mm256_cmp_ps, _mm256_div_ps,
-    _mm256_max_ps, _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_sub_ps,
+    __m128, __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm_add_ps, _mm_cmp_ps, _mm_div_ps, _mm_max_ps, _mm_min_ps,
+    _mm_movemask_ps, _mm_mul_ps, _mm_set1_ps, _mm_sub_ps, _mm256_add_ps, _mm256_cmp_ps, _mm256_div_ps, _mm256_max_ps,
+    _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_sub_ps,
 };
 
 use super::lanes::Lanes;
@@ -78,15 +78,6 @@ macro_rules! lanes {
             fn lt(self, a: $vector, b: $vector) -> u32 {
                 // SAFETY: `self` exists, so the processor has AVX2.
                 unsafe { $mask($compare::<_CMP_LT_OQ>(a, b)) as u32 }
-            }
-
-            #[inline(always)]
-            fn prefetch<T>(self, start: *const T) {
-                let start = start.cast::<i8>();
-                for line in [0, 64, 128, 192] {
-                    // SAFETY: a prefetch does not fault and has no effect on the program's state, whatever the address.
-                    unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line)) };
-                }
             }
         }
     };

@@ -164,10 +164,4 @@ impl Rows {
             None => unreachable!("a block starts at least its length before the end"),
         }
     }
-
-    /// Where the rows of a child are.
-    #[inline(always)]
-    pub(super) fn address(&self, child: Child) -> *const Row {
-        self.list.as_ptr().wrapping_add(child.index())
-    }
 }

@@ -1,12 +1,12 @@
 //! Triangles in one space, and the hierarchy over them.
 
 use glam::{Vec3, Vec3A};
+use hashcache_core::geometry::Ray;
 use obvhs::aabb::Aabb;
 
 use super::build::hierarchy;
 use super::lanes::Lanes;
 use super::layout::{Block, LEAF, Rows, WIDTH};
-use super::segment::Segment;
 use super::traverse::{any, nearest_first};
 use super::triangle::{self, Nearest, Shear};
 
@@ -45,16 +45,16 @@ impl Mesh {
 
     /// Moves `nearest` to the nearest triangle before it.
     #[inline(always)]
-    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, s: &Segment, nearest: &mut Nearest) {
-        let shear = Shear::new(l, s);
+    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray, nearest: &mut Nearest) {
+        let shear = Shear::new(l, ray);
         nearest_first(
             l,
             &self.rows,
-            s,
+            ray,
             nearest.t,
             #[inline(always)]
             |leaf| {
-                triangle::closest(l, self.rows.block(leaf), &shear, s.t_max, nearest);
+                triangle::closest(l, self.rows.block(leaf), &shear, ray.t_max, nearest);
                 nearest.t
             },
         );
@@ -62,14 +62,14 @@ impl Mesh {
 
     /// Whether a triangle lies on the segment.
     #[inline(always)]
-    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, s: &Segment) -> bool {
-        let shear = Shear::new(l, s);
+    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> bool {
+        let shear = Shear::new(l, ray);
         any(
             l,
             &self.rows,
-            s,
+            ray,
             #[inline(always)]
-            |leaf| triangle::occluded(l, self.rows.block(leaf), &shear, s.t_max),
+            |leaf| triangle::occluded(l, self.rows.block(leaf), &shear, ray.t_max),
         )
     }
 }

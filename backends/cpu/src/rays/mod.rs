@@ -1,7 +1,7 @@
 //! Ray casting on the CPU.
 //!
 //! [`CpuScene`] holds the scene's triangles in hierarchies of eight boxes a node and eight triangles a leaf
-//! (`layout`). A ray is made ready once (`segment`), tests the eight boxes of a node together (`traverse`), then the
+//! (`layout`). A ray (`ray`) tests the eight boxes of a node together (`traverse`), then the
 //! eight triangles of a leaf (`triangle`), in the processor's widest lanes (`lanes`). Meshes placed once are copied into
 //! the scene's space; the others are reached through a second hierarchy (`instance`).
 
@@ -13,8 +13,8 @@ mod lanes;
 mod lanes_avx2;
 mod layout;
 mod mesh;
+mod ray;
 mod scene;
-mod segment;
 mod stack;
 mod traverse;
 mod triangle;

@@ -11,7 +11,7 @@ use super::lanes::{Lanes, Portable};
 use super::lanes_avx2::Avx2;
 use super::layout::{Block, LEAF, Rows, WIDTH};
 use super::mesh::{Mesh, Numbered};
-use super::segment::{Segment, is_usable, is_within_range, rescaled};
+use super::ray::{is_usable, is_within_range, rescaled};
 use super::triangle::Nearest;
 
 /// A scene's triangles, ready to be met by rays.
@@ -167,24 +167,23 @@ impl CpuScene {
 
     #[inline(always)]
     fn closest_with<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> Option<Hit> {
-        let s = Segment::new(ray);
-        let mut nearest = Nearest { t: ray.t_max, u: 0.0, v: 0.0, id: u32::MAX };
+        let mut nearest = Nearest::none(ray.t_max);
         if let Some(mesh) = &self.flat {
-            mesh.closest(l, &s, &mut nearest);
+            mesh.closest(l, ray, &mut nearest);
         }
-        let placed = self.placements.as_ref().and_then(|p| p.closest(l, &s, &mut nearest));
+        let placed = self.placements.as_ref().and_then(|p| p.closest(l, ray, &mut nearest));
         if nearest.id == u32::MAX {
             return None;
         }
         let [instance, triangle] = placed.map_or_else(|| self.names[nearest.id as usize], |i| [i, nearest.id]);
-        Some(Hit { t: nearest.t, u: nearest.u, v: nearest.v, triangle, instance })
+        let [u, v] = nearest.weights();
+        Some(Hit { t: nearest.t, u, v, triangle, instance })
     }
 
     #[inline(always)]
     fn occluded_with<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> bool {
-        let s = Segment::new(ray);
-        self.flat.as_ref().is_some_and(|m| m.occluded(l, &s))
-            || self.placements.as_ref().is_some_and(|p| p.occluded(l, &s))
+        self.flat.as_ref().is_some_and(|m| m.occluded(l, ray))
+            || self.placements.as_ref().is_some_and(|p| p.occluded(l, ray))
     }
 
     fn closest_in_range(&self, ray: &Ray) -> Option<Hit> {

@@ -1,8 +1,9 @@
 //! The way of a ray through a hierarchy.
 
+use hashcache_core::geometry::Ray;
+
 use super::lanes::Lanes;
 use super::layout::{Child, Node, Rows, WIDTH};
-use super::segment::Segment;
 use super::stack::Stack;
 
 /// Entries of the stack: each level leaves at most seven.
@@ -10,6 +11,12 @@ pub(super) const STACK: usize = 256;
 
 /// Deepest hierarchy that the stack suffices for.
 pub(super) const MAX_DEPTH: usize = (STACK - 8) / 7;
+
+/// The first row of near planes: that of the upper planes when the ray runs towards lower values.
+#[inline(always)]
+fn row(direction: f32) -> usize {
+    if direction.is_sign_negative() { 3 } else { 0 }
+}
 
 /// A ray's constants for boxes, eight times over.
 struct Slabs<L: Lanes<WIDTH>> {
@@ -20,20 +27,30 @@ struct Slabs<L: Lanes<WIDTH>> {
     t_min: L::Vector,
 }
 
-#[inline(always)]
-fn splat3<L: Lanes<WIDTH>>(l: L, x: [f32; 3]) -> [L::Vector; 3] {
-    [l.splat(x[0]), l.splat(x[1]), l.splat(x[2])]
-}
+/// How much a box is widened, as a part of its distance along each axis: 2⁻²¹, 8 half-units in the last place.
+///
+/// Source of the need: three roundings for a plane's distance, four for a corner in the triangle test. Less, and a ray
+/// may miss the box of a triangle that it meets; more only costs visits.
+const MARGIN: f32 = 1.0 / 2_097_152.0;
 
 impl<L: Lanes<WIDTH>> Slabs<L> {
+    /// Constants of a ray.
+    ///
+    /// From the ray's own memory straight into registers: a struct of scalars in between is stored and loaded in
+    /// pieces of other sizes, which stalls (12 % of a short ray's time).
     #[inline(always)]
-    fn new(l: L, s: &Segment) -> Self {
+    fn new(l: L, ray: &Ray) -> Self {
+        let (origin, d) = (ray.origin, ray.direction);
+        // Behind the origin the margin would narrow boxes.
+        let margin = if ray.t_min < 0.0 { 0.0 } else { MARGIN };
+        let (nearer, farther) = (l.splat(1.0 - margin), l.splat(1.0 + margin));
+        let inverse = [l.splat(1.0 / d.x), l.splat(1.0 / d.y), l.splat(1.0 / d.z)];
         Self {
-            near: s.backwards.map(|b| if b { 3 } else { 0 }),
-            origin: splat3(l, s.origin),
-            inverse_near: splat3(l, s.inverse_near),
-            inverse_far: splat3(l, s.inverse_far),
-            t_min: l.splat(s.t_min),
+            near: [row(d.x), row(d.y), row(d.z)],
+            origin: [l.splat(origin.x), l.splat(origin.y), l.splat(origin.z)],
+            inverse_near: [l.mul(inverse[0], nearer), l.mul(inverse[1], nearer), l.mul(inverse[2], nearer)],
+            inverse_far: [l.mul(inverse[0], farther), l.mul(inverse[1], farther), l.mul(inverse[2], farther)],
+            t_min: l.splat(ray.t_min),
         }
     }
 
@@ -55,16 +72,17 @@ impl<L: Lanes<WIDTH>> Slabs<L> {
     }
 }
 
-/// Visits the leaves a ray passes before `*t_end`, near ones first; `leaf` may draw `*t_end` nearer.
+/// Visits the leaves that a ray passes before `t_end`, near ones first. `leaf` returns the
+/// end from there on: the same or nearer.
 #[inline(always)]
 pub(super) fn nearest_first<L: Lanes<WIDTH>>(
     l: L,
     rows: &Rows,
-    s: &Segment,
+    ray: &Ray,
     t_end: f32,
     mut leaf: impl FnMut(usize) -> f32,
 ) {
-    let slabs = Slabs::new(l, s);
+    let slabs = Slabs::new(l, ray);
     let mut t_end = t_end;
     let mut stack = Stack::<(Child, f32), STACK>::new();
     let mut child = Child::ROOT;
@@ -93,7 +111,6 @@ pub(super) fn nearest_first<L: Lanes<WIDTH>>(
                 mask &= mask - 1;
                 // The nearest stays in hand; the others go to the stack, the nearest of them on top.
                 let mut entry = (node.children[i], t_in[i]);
-                l.prefetch(rows.address(entry.0));
                 if entry.1 < t {
                     (entry, (child, t)) = ((child, t), entry);
                 }
@@ -118,8 +135,8 @@ pub(super) fn nearest_first<L: Lanes<WIDTH>>(
 
 /// Whether `leaf` says yes to any leaf the ray passes.
 #[inline(always)]
-pub(super) fn any<L: Lanes<WIDTH>>(l: L, rows: &Rows, s: &Segment, mut leaf: impl FnMut(usize) -> bool) -> bool {
-    let slabs = Slabs::new(l, s);
+pub(super) fn any<L: Lanes<WIDTH>>(l: L, rows: &Rows, ray: &Ray, mut leaf: impl FnMut(usize) -> bool) -> bool {
+    let slabs = Slabs::new(l, ray);
     let mut stack = Stack::<Child, STACK>::new();
     stack.push(Child::ROOT);
     while let Some(child) = stack.pop() {
@@ -130,11 +147,10 @@ pub(super) fn any<L: Lanes<WIDTH>>(l: L, rows: &Rows, s: &Segment, mut leaf: imp
             continue;
         }
         let node = rows.node(child.index());
-        let (mut mask, _) = slabs.enter(l, node, s.t_max);
+        let (mut mask, _) = slabs.enter(l, node, ray.t_max);
         while mask != 0 {
             let i = mask.trailing_zeros() as usize;
             mask &= mask - 1;
-            l.prefetch(rows.address(node.children[i]));
             stack.push(node.children[i]);
         }
     }

@@ -1,20 +1,35 @@
 //! Ray against eight triangles.
 
+use hashcache_core::geometry::Ray;
+
 use super::lanes::Lanes;
 use super::layout::{Block, LEAF};
-use super::segment::Segment;
 
 /// The nearest triangle so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
     /// Distance; the segment's end while there is no triangle.
     pub(super) t: f32,
-    /// Barycentric weight of the second corner.
-    pub(super) u: f32,
-    /// Barycentric weight of the third corner.
-    pub(super) v: f32,
+    /// Barycentric weights of the second and third corner, times `det`.
+    pub(super) edges: [f32; 2],
+    /// The sum of all three weights before they are divided.
+    pub(super) det: f32,
     /// The triangle's number, or `u32::MAX`.
     pub(super) id: u32,
+}
+
+impl Nearest {
+    /// Nothing found yet before `t_max`.
+    #[inline(always)]
+    pub(super) const fn none(t_max: f32) -> Self {
+        Self { t: t_max, edges: [0.0; 2], det: 1.0, id: u32::MAX }
+    }
+
+    /// Barycentric weights of the second and third corner.
+    #[inline(always)]
+    pub(super) fn weights(&self) -> [f32; 2] {
+        [self.edges[0] / self.det, self.edges[1] / self.det]
+    }
 }
 
 /// What a block needs to know of a ray, eight times over.
@@ -28,15 +43,21 @@ pub(super) struct Shear<L: Lanes<LEAF>> {
 }
 
 impl<L: Lanes<LEAF>> Shear<L> {
+    /// Constants of a ray; see [`super::traverse`] for the way they are made.
     #[inline(always)]
-    pub(super) fn new(l: L, s: &Segment) -> Self {
-        let axes = s.axes;
+    pub(super) fn new(l: L, ray: &Ray) -> Self {
+        let (origin, d): (&[f32; 3], &[f32; 3]) = (ray.origin.as_ref(), ray.direction.as_ref());
+        let [x, y, z] = d.map(f32::abs);
+        let xy = usize::from(y > x);
+        let kz = if z > x.max(y) { 2 } else { xy };
+        let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
+        let depth = l.splat(1.0 / d[kz]);
         Self {
-            axes,
-            origin: [l.splat(s.origin[axes[0]]), l.splat(s.origin[axes[1]]), l.splat(s.origin[axes[2]])],
-            slope: [l.splat(s.shear[0]), l.splat(s.shear[1])],
-            depth: l.splat(s.shear[2]),
-            t_min: l.splat(s.t_min),
+            axes: [kx, ky, kz],
+            origin: [l.splat(origin[kx]), l.splat(origin[ky]), l.splat(origin[kz])],
+            slope: [l.mul(l.splat(d[kx]), depth), l.mul(l.splat(d[ky]), depth)],
+            depth,
+            t_min: l.splat(ray.t_min),
         }
     }
 
@@ -99,9 +120,8 @@ pub(super) fn closest<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_max: 
         }
     }
     if place < LEAF {
-        let det = l.store(meeting.det)[place];
-        nearest.u = l.store(meeting.edges[0])[place] / det;
-        nearest.v = l.store(meeting.edges[1])[place] / det;
+        nearest.det = l.store(meeting.det)[place];
+        nearest.edges = [l.store(meeting.edges[0])[place], l.store(meeting.edges[1])[place]];
     }
 }
 
