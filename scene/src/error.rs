@@ -112,6 +112,17 @@ pub(crate) fn one_line(text: &str) -> String {
     line
 }
 
+/// `text` on one line and of a length that can be read; a name in a file may have megabytes.
+pub(crate) fn brief(text: &str) -> String {
+    const LONGEST: usize = 240;
+    let end = text.char_indices().nth(LONGEST).map_or(text.len(), |(i, _)| i);
+    let mut line = one_line(&text[..end]);
+    if end < text.len() {
+        line.push('…');
+    }
+    line
+}
+
 /// The file in hand, from which errors are made.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct At<'a> {
@@ -122,26 +133,31 @@ pub(crate) struct At<'a> {
 impl At<'_> {
     /// A breach of the format's rules.
     pub fn malformed(self, place: impl AsRef<str>, what: impl AsRef<str>) -> SceneError {
-        SceneError::Malformed {
-            file: one_line(self.file),
-            place: one_line(place.as_ref()),
-            what: one_line(what.as_ref()),
-        }
+        SceneError::Malformed { file: one_line(self.file), place: brief(place.as_ref()), what: brief(what.as_ref()) }
     }
 
     /// Something valid that is not supported.
     pub fn unsupported(self, place: impl AsRef<str>, what: impl AsRef<str>, advice: &str) -> SceneError {
         SceneError::Unsupported {
             file: one_line(self.file),
-            place: one_line(place.as_ref()),
-            what: one_line(what.as_ref()),
+            place: brief(place.as_ref()),
+            what: brief(what.as_ref()),
             advice: advice.to_owned(),
         }
     }
 
     /// More than the options allow.
     pub fn too_large(self, place: impl AsRef<str>, what: String, limit: u64, option: &'static str) -> SceneError {
-        SceneError::TooLarge { file: one_line(self.file), place: one_line(place.as_ref()), what, limit, option }
+        SceneError::TooLarge { file: one_line(self.file), place: brief(place.as_ref()), what, limit, option }
+    }
+
+    /// JSON that is not what it should be: `what` says what that is.
+    pub fn json(self, what: &str, error: &serde_json::Error, advice: &str) -> SceneError {
+        let text = error.to_string();
+        // The place is given apart.
+        let reason = text.rsplit_once(" at line ").map_or(text.as_str(), |(reason, _)| reason);
+        let place = format!("line {}, column {}", error.line(), error.column());
+        self.unsupported(place, format!("not {what}: {reason}"), advice)
     }
 
     /// A refusal by the operating system.

@@ -43,6 +43,9 @@ struct CameraFile {
 /// Below this sine between view and up vector the picture's rotation would be decided by rounding.
 const PARALLEL: f64 = 1e-9;
 
+/// What a camera file looks like.
+const FORM: &str = r#"write {"position":[x,y,z],"target":[x,y,z],"up":[0,1,0],"fov_y_deg":45}"#;
+
 /// The longest camera file that is read, in bytes: a hundred times what one takes.
 const LONGEST_CAMERA_FILE: u64 = 1 << 16;
 
@@ -82,7 +85,7 @@ impl View {
     /// coordinates (metres, y up) and degrees.
     ///
     /// # Errors
-    /// [`SceneError::Read`] or [`SceneError::Malformed`].
+    /// [`SceneError::Read`] or [`SceneError::Unsupported`].
     ///
     /// ```
     /// let dir = tempfile::tempdir()?;
@@ -97,16 +100,15 @@ impl View {
         let file = path.to_string_lossy();
         let at = At { file: &file };
         let bytes = resource::read_file(path, LONGEST_CAMERA_FILE)?;
-        let camera: CameraFile = serde_json::from_slice(&bytes).map_err(|e| {
-            at.malformed(format!("line {}, column {}", e.line(), e.column()), format!("not a camera: {e}"))
-        })?;
+        let camera: CameraFile = serde_json::from_slice(&bytes).map_err(|e| at.json("a camera", &e, FORM))?;
         let degrees = camera.fov_y_deg;
         if !(degrees > 0.0 && degrees < 180.0) {
-            return Err(at.malformed("/fov_y_deg", format!("{degrees} is not between 0 and 180")));
+            return Err(at.unsupported("/fov_y_deg", format!("{degrees} is not between 0 and 180"), FORM));
         }
         let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         let [position, target, up] = [camera.position, camera.target, camera.up].map(DVec3::from_array);
-        Self::look_at(name, position, target, up, degrees.to_radians()).map_err(|what| at.malformed("/", what))
+        Self::look_at(name, position, target, up, degrees.to_radians())
+            .map_err(|what| at.unsupported("the camera", what, FORM))
     }
 
     /// The camera for a picture of `width` × `height` pixels, relative to the scene's `origin`.

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::fmt;
 
-use crate::error::one_line;
+use crate::error::brief;
 
 /// Something in the file that is shown differently or not at all. Each kind is named once, with its first place.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl Warnings {
             self.list[i].count += count;
         } else {
             self.by_what.insert(what.to_owned(), self.list.len());
-            self.list.push(Warning { what: one_line(what), pointer: one_line(&pointer()), count });
+            self.list.push(Warning { what: brief(what), pointer: brief(&pointer()), count });
         }
     }
 

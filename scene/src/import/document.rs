@@ -51,7 +51,7 @@ impl Document {
         let text = &file[text];
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
         let mut root: json::Root = json::deserialize::from_slice(text)
-            .map_err(|e| at.malformed(format!("line {}, column {}", e.line(), e.column()), format!("not glTF: {e}")))?;
+            .map_err(|e| at.json("glTF", &e, "export or download the file again"))?;
         check(at, &mut root)?;
         let file = if bin.is_some() { file } else { Vec::new() };
         let mut document = Self { name, base, root, file, buffers: Vec::new() };

@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 use base64::Engine as _;
 
-use crate::error::{At, SceneError, one_line};
+use crate::error::{At, SceneError, brief, one_line};
 
 /// Where the bytes of a URI are.
 enum Target {
@@ -22,14 +22,15 @@ fn resolve(uri: &str, base: &Path) -> Result<Target, String> {
     }
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme);
     if scheme.is_some_and(|s| !s.is_empty() && s.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))) {
-        return Err(format!("{uri:?} is not a relative path; only files in the scene's folder are read"));
+        return Err(format!("only relative paths are read, not {:?}", brief(uri)));
     }
-    let decoded =
-        percent_encoding::percent_decode_str(uri).decode_utf8().map_err(|_| format!("{uri:?} is not UTF-8"))?;
+    let decoded = percent_encoding::percent_decode_str(uri)
+        .decode_utf8()
+        .map_err(|_| format!("{:?} is not UTF-8", brief(uri)))?;
     let path = Path::new(decoded.as_ref());
     let inside = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
     if !inside || decoded.contains('\0') {
-        return Err(format!("{uri:?} leaves the scene's folder; only files in it are read"));
+        return Err(format!("leaves the scene's folder: {:?}", brief(uri)));
     }
     Ok(Target::File(base.join(path)))
 }
@@ -75,22 +76,15 @@ pub(crate) fn read_uri(at: At, base: &Path, uri: &str, place: &str, limit: u64) 
     match resolve(uri, base) {
         Ok(Target::Inline(bytes)) => Ok(bytes),
         Ok(Target::File(path)) => read_file(&path, limit).map_err(|e| match e {
-            SceneError::Read { file, reason } => {
-                at.unsupported(place, format!("{file} cannot be read: {reason}"), "put the file there")
-            }
+            SceneError::Read { reason, .. } => at.unsupported(
+                place,
+                format!("cannot be read ({reason}): {:?}", brief(uri)),
+                "put the file beside the scene",
+            ),
             other => other,
         }),
-        Err(what) => Err(at.unsupported(place, shorten(&what), "put the file into the scene's folder")),
+        Err(what) => Err(at.unsupported(place, what, "put the file into the scene's folder")),
     }
-}
-
-/// A URI may be megabytes long; a message may not.
-fn shorten(text: &str) -> String {
-    const LONGEST: usize = 200;
-    if text.chars().count() <= LONGEST {
-        return text.to_owned();
-    }
-    text.chars().take(LONGEST).chain("…".chars()).collect()
 }
 
 #[cfg(test)]
@@ -112,7 +106,7 @@ mod tests {
             assert!(uri.is_empty() || file(uri).is_err(), "{uri}");
         }
         for uri in ["http://example.org/a.bin", "file:///etc/passwd", "C:a"] {
-            assert!(file(uri).unwrap_err().contains("not a relative path"), "{uri}");
+            assert!(file(uri).unwrap_err().contains("only relative paths"), "{uri}");
         }
     }
 
