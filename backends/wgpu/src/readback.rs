@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::time::Duration;
 
 use backend_api::{Error, Ticket};
 use wgpu::{
@@ -12,6 +13,10 @@ use wgpu::{
 
 use crate::recording::Range;
 use crate::scope::{self, Fault};
+
+/// How long a callback may be under way on another thread once its work is done. It takes microseconds; a thread that
+/// does not get to it for so long has died, and without an end the caller would wait with it.
+const CALLBACK_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// A copy of a range that the host may map once the device has made it.
 struct Staged {
@@ -44,10 +49,15 @@ impl Readbacks {
             return Ok(Some(Vec::new()));
         };
         let polled = poll(device, wait.then(|| staged.submission.clone()));
-        let result = match (polled, staged.mapped.try_recv()) {
-            (_, Ok(Ok(()))) => bytes(&staged.buffer),
-            (Ok(()), Err(TryRecvError::Empty)) if !wait => return Ok(None),
-            _ => Err(Error::DeviceLost),
+        let answer = match staged.mapped.try_recv() {
+            Err(TryRecvError::Empty) if !wait && polled.is_ok() => return Ok(None),
+            // Another thread that polls the shared device may have taken the callback and not called it yet.
+            Err(TryRecvError::Empty) if polled.is_ok() => staged.mapped.recv_timeout(CALLBACK_TIMEOUT).ok(),
+            answer => answer.ok(),
+        };
+        let result = match answer {
+            Some(Ok(())) => bytes(&staged.buffer),
+            Some(Err(_)) | None => Err(Error::DeviceLost),
         };
         self.staged.remove(&ticket.0);
         result.map(Some)

@@ -193,6 +193,27 @@ fn backends_share_a_device_and_give_out_its_buffers() {
     assert!(!owner.adapter_name().is_empty());
 }
 
+/// Each thread waits for its own work, whichever thread's polling sees it done.
+#[test]
+fn backends_on_several_threads_share_a_device() {
+    let Some((owner, _guard)) = open() else { return };
+    let many = 1 << 18;
+    std::thread::scope(|scope| {
+        for thread in 1..7 {
+            let mut backend = WgpuBackend::new(owner.device().clone(), owner.queue().clone());
+            scope.spawn(move || {
+                let target = buffer(&mut backend, &vec![0; many]);
+                for round in 0..20 {
+                    let word = thread * 1000 + round;
+                    backend.primitive(Primitive::Fill { buffer: target, word }).expect("fill");
+                    backend.submit().expect("submit");
+                    assert!(words(&mut backend, target, many).iter().all(|&found| found == word));
+                }
+            });
+        }
+    });
+}
+
 #[test]
 fn buffers_beyond_the_limit_are_refused() {
     let Some((mut backend, _guard)) = open() else { return };

@@ -2,4 +2,5 @@
 
 pub mod conformance;
 pub mod gpu;
+pub mod harness;
 pub mod vertices;

@@ -1,5 +1,6 @@
 //! Path vertices as a renderer would record them, and as none should.
 
+use hashcache_core::float::exp2;
 use hashcache_core::glam::Vec3;
 use hashcache_core::hash::{pcg, to_unit_f32};
 use hashcache_core::pack::octahedral_encode;
@@ -36,7 +37,7 @@ impl Noise {
 
     /// 2^x for x uniform in `from..to`.
     pub fn power(&mut self, from: f32, to: f32) -> f32 {
-        (from + (to - from) * self.unit()).exp2()
+        exp2(from + (to - from) * self.unit())
     }
 }
 

@@ -95,7 +95,7 @@ fn frame(params: &Params, load: f64) -> Vec<VertexRecord> {
         }
     }
     let bright = VertexRecord { direct: [8000.0, 0.1, 7e-6, 0.0], further: [1e5, 3e-7, 1.0, 0.0], ..all[0] };
-    all.extend([bright; 3000]);
+    all.extend(std::iter::repeat_n(bright, 3000));
     // Spread equal keys over the frame.
     for i in (1..all.len()).rev() {
         all.swap(i, noise.word() as usize % (i + 1));

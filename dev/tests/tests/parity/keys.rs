@@ -1,0 +1,94 @@
+//! The hash grid's keys: from floats to cells, hashes and fingerprints, for any bits and any settings.
+
+use hashcache_core::exact::Quantum;
+use hashcache_core::record::VertexRecord;
+use hashcache_core::wgsl::{HASH, LEVEL, PACK, RECORD};
+use hashcache_dev_tests::gpu;
+use hashcache_dev_tests::harness::{Item, call, expect, inputs};
+use hashgrid::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
+use hashgrid::kernels::WGSL_KEY;
+use hashgrid::key::{fingerprint, home, key};
+use hashgrid::{Params, Settings};
+
+/// The vertex of an item's words.
+fn vertex(item: &Item) -> VertexRecord {
+    let [x, y, z, footprint, normal, direction, seed, _] = *item;
+    VertexRecord {
+        position_footprint: [x, y, z, footprint].map(f32::from_bits),
+        normal,
+        direction,
+        seed,
+        flags: VertexRecord::VALID,
+        ..bytemuck::Zeroable::zeroed()
+    }
+}
+
+/// Coordinates of ordinary scenes among the arbitrary bits: the sign and fraction of a word, an exponent from 2⁻¹⁴ to
+/// 2²⁴.
+fn tame(items: &mut [Item]) {
+    for (i, item) in items.iter_mut().enumerate() {
+        if i % 3 != 0 {
+            for word in &mut item[..3] {
+                *word = (*word & 0x807f_ffff) | ((113 + (*word >> 23) % 38) << 23);
+            }
+            item[3] = (item[3] & 0x007f_ffff) | ((110 + (item[3] >> 24) % 24) << 23);
+        }
+    }
+}
+
+fn params_wgsl(params: &Params) -> String {
+    let words: Vec<String> = bytemuck::cast::<Params, [i32; 12]>(*params)
+        .iter()
+        .enumerate()
+        .map(|(k, word)| match k {
+            1 | 2 | 8 => format!("{word}"),
+            _ => format!("{}u", *word as u32),
+        })
+        .collect();
+    format!("HgParams({})", words.join(", "))
+}
+
+#[test]
+fn keys_are_equal_for_any_bits() {
+    let Some(mut backend) = gpu::backend() else { return };
+    let mut items = inputs();
+    tame(&mut items);
+    let usual = Settings::default();
+    let settings = [
+        ("keys, usual", usual),
+        ("keys, tiny cells", Settings { base_size: 2.0_f32.powi(-30), cell_footprints: 2.0_f32.powi(-10), ..usual }),
+        ("keys, huge cells", Settings { base_size: 2.0_f32.powi(20), cell_footprints: 65_536.0, ..usual }),
+        ("keys, no jitter", Settings { jitter: 0.0, normal_bins: 1, pixel_angle: 0.0, seed: u32::MAX, ..usual }),
+        ("keys, wide pixels", Settings { pixel_angle: 4.0, normal_bins: 7, quantum: Quantum::for_scale(1e6), ..usual }),
+    ];
+    for (name, settings) in settings {
+        let params = Params::new(&settings).expect("valid settings");
+        for (salt, label) in [(SALT_DEPOSIT, name), (SALT_LOOKUP, format!("{name}, lookup").leak())] {
+            let body = format!(
+                "var v = HcVertexRecord();
+                 v.position_footprint = bitcast<vec4<f32>>(vec4<u32>(word2(0u), word2(2u)));
+                 v.normal = word(4u); v.direction = word(5u); v.seed = word(6u); v.flags = HC_VALID;
+                 let key = hg_key({}, v, {salt}u);
+                 put(3u, key.attributes);
+                 if key.attributes == HG_NO_KEY {{ put2(0u, vec2<u32>()); put(2u, 0u); put2(4u, vec2<u32>()); return; }}
+                 let cell = bitcast<vec3<u32>>(key.cell);
+                 put2(0u, cell.xy); put(2u, cell.z);
+                 put(4u, hg_home(key)); put(5u, hg_fingerprint(key));",
+                params_wgsl(&params)
+            );
+            let found = call(&mut backend, label, &[HASH, PACK, LEVEL, RECORD, WGSL_KEY], &body, &items);
+            let expected = expect(&items, |item| match key(&params, &vertex(item), salt) {
+                None => [0, 0, 0, u32::MAX, 0, 0],
+                Some(key) => {
+                    let [x, y, z] = key.cell.map(|c| c as u32);
+                    [x, y, z, key.attributes, home(&key), fingerprint(&key)]
+                }
+            });
+            let with_key = expected.iter().filter(|words| words[3] != u32::MAX).count();
+            assert!(with_key > items.len() / 3, "{label}: only {with_key} of {} have keys", items.len());
+            for (item, (e, f)) in items.iter().zip(expected.iter().zip(&found)) {
+                assert!(e == f, "{label} of {item:x?}: {e:x?} in Rust, {f:x?} in WGSL");
+            }
+        }
+    }
+}
