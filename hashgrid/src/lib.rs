@@ -32,11 +32,11 @@
 //! - **Fallback**: a vertex without a cell is answered with its own value; whatever is refused, clamped or not finite is
 //!   counted, so *energy recorded = stored + refused + clamped* to the last quantum.
 //!
-//! Start at [`Settings`], then [`vertex`] for plain functions over slices, [`OwnedGrid`] for a grid that brings its own
+//! Start at [`Settings`], then [`vertex`] for plain functions over slices, `OwnedGrid` for a grid that brings its own
 //! memory, `kernels` and `GridStages` for launchers. `examples/embed.rs` puts a grid into a foreign renderer.
 //!
 //! # Features
-//! - `alloc`: [`OwnedGrid`].
+//! - `alloc`: `OwnedGrid`.
 //! - `kernels`: the `kernels` module (host bodies and WGSL) and `GridStages`; on targets with 64-bit atomics.
 //!
 //! Without features nothing allocates. Where 64-bit atomics are missing, [`Word`] is a pair of 32-bit ones of the same bytes.

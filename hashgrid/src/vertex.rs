@@ -116,8 +116,10 @@ fn deposit_found(table: &Table<'_>, found: Option<Found>, values: &[Quantized; 6
 #[inline]
 #[must_use]
 pub fn quantize_vertex(params: &Params, vertex: &VertexRecord) -> [Quantized; 6] {
+    let q = params.quantum();
     let ([a, b, c, _], [d, e, f, _]) = (vertex.direct, vertex.further);
-    [a, b, c, d, e, f].map(|channel| quantize(params.quantum(), channel))
+    // Spelled out: `map` over six of these is not inlined.
+    [quantize(q, a), quantize(q, b), quantize(q, c), quantize(q, d), quantize(q, e), quantize(q, f)]
 }
 
 /// Illumination at every vertex, in order: `answer(i, estimate)`.
