@@ -18,5 +18,7 @@ pub mod scene;
 pub mod surface;
 pub mod texture;
 pub mod view;
+#[cfg(feature = "kernels")]
+pub mod wgsl;
 
 pub use hashcache_core::glam;

@@ -46,6 +46,6 @@ impl Material {
     /// Whether the material emits: a component of its emission is above 0 and all are finite.
     pub fn emits(&self) -> bool {
         let [r, g, b, _] = self.emission;
-        (r > 0.0 || g > 0.0 || b > 0.0) && (r + g + b).is_finite()
+        (r > 0.0 || g > 0.0 || b > 0.0) && r.is_finite() && g.is_finite() && b.is_finite()
     }
 }

@@ -1,0 +1,187 @@
+//! Kernels as a backend runs them, in launches of any cut.
+#![allow(
+    clippy::disallowed_methods,
+    clippy::float_cmp,
+    reason = "expectations come from the platform's functions and exact values"
+)]
+
+mod common;
+
+use std::sync::atomic::{AtomicU32, AtomicU64};
+
+use backend_api::{HitRecord, Kernel, Launch, RayRecord, Slot, Status, TraceRays};
+use bytemuck::{bytes_of, cast_slice, cast_slice_mut};
+use common::caster::BruteForce;
+use common::scenes::{add_triangles, inward_box, quad};
+use hashcache_core::record::VertexRecord;
+use hashcache_core::stages::{EstimateRecord, from_record};
+use hashcache_core::traits::RayCaster;
+use pt_integrator::camera::CameraRays;
+use pt_integrator::film::FilmPixel;
+use pt_integrator::glam::Vec3;
+use pt_integrator::kernels::{
+    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, RESOLVE, TRACE_FILM, TRACE_RECORDS, TraceParams,
+};
+use pt_integrator::packed::PackedScene;
+use pt_integrator::path::{PathSettings, RayCounts};
+use pt_integrator::scene::{Camera, Material, SceneData};
+
+struct Rays(BruteForce);
+
+impl TraceRays for Rays {
+    fn trace_closest(&self, ray: &RayRecord) -> HitRecord {
+        match self.0.closest(&from_record(ray)) {
+            Some(h) => HitRecord { t: h.t, u: h.u, v: h.v, triangle: h.triangle, instance: h.instance },
+            None => HitRecord { t: 0.0, u: 0.0, v: 0.0, triangle: HitRecord::MISS, instance: 0 },
+        }
+    }
+
+    fn trace_occluded(&self, ray: &RayRecord) -> bool {
+        self.0.occluded(&from_record(ray))
+    }
+}
+
+const SIZE: [u32; 2] = [12, 9];
+const PIXELS: u32 = SIZE[0] * SIZE[1];
+
+fn scene(emission: f32) -> SceneData {
+    let mut scene = SceneData::default();
+    let walls = Material::lambert([0.7, 0.5, 0.3]);
+    // Bright walls all around: their sum leaves the range of f32.
+    let walls = if emission > 1e30 { Material { emission: [emission, 0.0, 0.0, 0.0], ..walls } } else { walls };
+    add_triangles(&mut scene, &inward_box(Vec3::splat(-1.0), Vec3::ONE), walls);
+    let lamp = quad(Vec3::new(-0.4, 0.95, -0.4), 0.8 * Vec3::X, 0.8 * Vec3::Z);
+    add_triangles(&mut scene, &lamp, Material::emissive([0.2; 3], [emission, 0.5 * emission, 1.0]));
+    scene
+}
+
+fn params(samples: u32, first_sample: u32) -> TraceParams {
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 0.9), Vec3::ZERO, Vec3::Y, 1.0, SIZE[0], SIZE[1]).unwrap();
+    TraceParams {
+        camera: CameraRays::new(&camera),
+        width: SIZE[0],
+        first_pixel: 0,
+        first_sample,
+        samples,
+        seed: 5,
+        max_bounces: 4,
+        roulette_depth: PathSettings::NO_ROULETTE,
+        reserved: 0,
+    }
+}
+
+/// Runs a kernel whose output is binding `out`, in launches of `cut` items; returns the flags.
+fn run(
+    kernel: &Kernel,
+    params: &[u8],
+    inputs: &[&[u8]],
+    out: &mut [u8],
+    counters: Option<&[AtomicU64]>,
+    rays: Option<&dyn TraceRays>,
+    cut: usize,
+) -> Status {
+    let stride = kernel.bindings[inputs.len()].stride as usize;
+    assert_eq!(params.len(), kernel.params_size as usize);
+    let status = AtomicU32::new(0);
+    for (i, chunk) in out.chunks_mut(cut * stride).enumerate() {
+        let count = (chunk.len() / stride) as u32;
+        let mut slots: Vec<Slot<'_>> = inputs.iter().map(|bytes| Slot::In(bytes)).collect();
+        slots.push(Slot::Out(chunk));
+        slots.extend(counters.map(Slot::AtomicU64));
+        assert_eq!(slots.len(), kernel.bindings.len());
+        (kernel.body)(&mut Launch { first: (i * cut) as u32, count, params, slots: &mut slots, status: &status, rays });
+    }
+    Status::from_bits(status.into_inner())
+}
+
+fn trace<T: bytemuck::Pod>(
+    kernel: &Kernel,
+    emission: f32,
+    params: &TraceParams,
+    out: &mut [T],
+    cut: usize,
+) -> (RayCounts, Status) {
+    let scene = scene(emission);
+    let packed = PackedScene::new(&scene).unwrap();
+    let counters: [AtomicU64; RayCounts::WORDS] = Default::default();
+    let inputs = [packed.triangle_bytes(), packed.scene_bytes(), packed.texel_bytes()];
+    let rays = Rays(BruteForce::new(&scene));
+    let status = run(kernel, bytes_of(params), &inputs, cast_slice_mut(out), Some(&counters), Some(&rays), cut);
+    (RayCounts::from_words(counters.map(AtomicU64::into_inner)), status)
+}
+
+#[test]
+fn film_is_the_same_for_every_cut() {
+    let mut whole = vec![FilmPixel::default(); PIXELS as usize];
+    let (counts, status) = trace(&TRACE_FILM, 9.0, &params(3, 0), &mut whole, PIXELS as usize);
+    assert_eq!((counts.paths, status), (u64::from(3 * PIXELS), Status::OK));
+    assert!(counts.closest > counts.paths && counts.shadow_asked == counts.shadow_traced && counts.shadow_traced > 0);
+    for cut in [1, 7, 50] {
+        let mut film = vec![FilmPixel::default(); PIXELS as usize];
+        assert_eq!(trace(&TRACE_FILM, 9.0, &params(3, 0), &mut film, cut), (counts, Status::OK));
+        assert_eq!(film, whole);
+    }
+    // A batch that starts further on holds those pixels.
+    let batch = TraceParams { first_pixel: 40, ..params(3, 0) };
+    let mut film = vec![FilmPixel::default(); 16];
+    trace(&TRACE_FILM, 9.0, &batch, &mut film, 5);
+    assert_eq!(film, whole[40..56]);
+}
+
+#[test]
+fn records_compose_to_the_film() {
+    let mut film = vec![FilmPixel::default(); PIXELS as usize];
+    trace(&TRACE_FILM, 9.0, &params(2, 4), &mut film, 64);
+    let mut traced = vec![FilmPixel::default(); PIXELS as usize];
+    let mut cached = traced.clone();
+    let mut halved = traced.clone();
+    let mut seeds = Vec::new();
+    for sample in [4, 5] {
+        let mut records = vec![bytemuck::Zeroable::zeroed(); PIXELS as usize];
+        trace::<VertexRecord>(&TRACE_RECORDS, 9.0, &params(1, sample), &mut records, 10);
+        assert!(records.iter().all(|r| r.flags == VertexRecord::VALID && r.position_footprint[3] > 0.0));
+        seeds.extend(records.iter().map(|r| r.seed));
+        run(&COMPOSE_TRACED, &[], &[cast_slice(&records)], cast_slice_mut(&mut traced), None, None, 11);
+        // A cache that answers with the vertex's own value, then one that answers with half of it.
+        for (factor, direct_from_record, film) in [(1.0, 0, &mut cached), (0.5, 1, &mut halved)] {
+            let scaled = |v: [f32; 4]| v.map(|x| x * factor);
+            let estimates: Vec<EstimateRecord> = records
+                .iter()
+                .map(|r| EstimateRecord { direct: scaled(r.direct), further: scaled(r.further) })
+                .collect();
+            let params = ComposeParams { direct_from_record, reserved: [0; 3] };
+            let inputs = [cast_slice(&records), cast_slice(&estimates)];
+            let status = run(&COMPOSE_CACHED, bytes_of(&params), &inputs, cast_slice_mut(film), None, None, 13);
+            assert_eq!(status, Status::OK);
+        }
+    }
+    assert_eq!(traced, film);
+    assert_eq!(cached, film);
+    seeds.sort_unstable();
+    seeds.dedup();
+    assert_eq!(seeds.len(), 2 * PIXELS as usize, "seeds are unique");
+
+    let resolve = |film: &[FilmPixel]| {
+        let mut radiance = vec![[0.0_f32; 4]; PIXELS as usize];
+        run(&RESOLVE, &[], &[cast_slice(film)], cast_slice_mut(&mut radiance), None, None, 17);
+        radiance
+    };
+    let (full, half) = (resolve(&film), resolve(&halved));
+    assert!(full.iter().all(|p| p[3] == 2.0));
+    assert!(full.iter().zip(&half).all(|(a, b)| b[0] <= a[0] && b[0] >= 0.5 * a[0]));
+    assert!(full.iter().zip(&half).any(|(a, b)| b[0] < a[0]));
+}
+
+#[test]
+fn light_beyond_numbers_is_reported() {
+    let mut film = vec![FilmPixel::default(); PIXELS as usize];
+    let (counts, status) = trace(&TRACE_FILM, 3e38, &params(1, 0), &mut film, 64);
+    assert!(counts.non_finite > 0 && status.contains(Status::NON_FINITE));
+    assert!(film.iter().all(|p| p.mean().is_finite() && p.mean().w == 1.0));
+
+    let record = VertexRecord { emitted: [f32::NAN, 0.0, 0.0, 0.0], ..bytemuck::Zeroable::zeroed() };
+    let mut film = vec![FilmPixel::default()];
+    let status = run(&COMPOSE_TRACED, &[], &[bytes_of(&record)], cast_slice_mut(&mut film), None, None, 1);
+    assert_eq!(status, Status::NON_FINITE);
+    assert_eq!(film[0].mean().to_array(), [0.0, 0.0, 0.0, 1.0]);
+}
