@@ -1,11 +1,11 @@
 //! What a kernel declares is what its shader binds.
 
-use backend_api::{Access, Kernel};
+use backend_api::{Access, Kernel, Status};
 use backend_wgpu::PRELUDE;
 use hashcache_dev_tests::conformance::toys;
 use naga::{AddressSpace, Module, ResourceBinding, StorageAccess, TypeInner};
 
-use crate::wgsl_side;
+use crate::{CRATES, root, wgsl_side};
 
 static KERNELS: [&Kernel; 10] = [
     &hashgrid::kernels::CLEAR,
@@ -74,4 +74,23 @@ fn parameter_blocks_have_the_declared_size() {
         let size = found.map_or(0, |(_, variable)| module.types[variable.ty].inner.size(module.to_ctx()));
         assert_eq!(size, kernel.params_size, "{}", kernel.name);
     }
+}
+
+/// Status flags are written as `hc_raise(2u); // Status::NON_FINITE`: the number is the flag's.
+#[test]
+fn raised_flags_are_the_ones_that_are_named() {
+    let flags =
+        [("TABLE_FULL", Status::TABLE_FULL), ("NON_FINITE", Status::NON_FINITE), ("OVERFLOW", Status::OVERFLOW)];
+    let mut found = 0;
+    for one in &CRATES {
+        let source = wgsl_side::read(&root().join(one.folder).join("wgsl"));
+        for line in source.lines().filter(|line| line.contains("hc_raise(")) {
+            let right = flags
+                .iter()
+                .any(|(name, status)| line.trim() == format!("hc_raise({}u); // Status::{name}", status.bits()));
+            assert!(right, "{}: {line}", one.folder);
+            found += 1;
+        }
+    }
+    assert!(found > 0);
 }
