@@ -1,4 +1,66 @@
 //! Path tracing that records its vertices: camera, samplers, BSDFs, lights.
+//!
+//! ```
+//! use hashcache_core::geometry::{Hit, Ray};
+//! use hashcache_core::glam::{Vec2, Vec3};
+//! use hashcache_core::traits::RayCaster;
+//! use pt_integrator::packed::PackedScene;
+//! use pt_integrator::path::{PathSettings, RayCounts, trace_path};
+//! use pt_integrator::sampler::{Sobol, pixel_seed};
+//! use pt_integrator::scene::{Environment, SceneData};
+//!
+//! /// Any ray caster will do; this one has nothing to meet.
+//! struct Nothing;
+//! impl RayCaster for Nothing {
+//!     fn closest(&self, _: &Ray) -> Option<Hit> { None }
+//!     fn occluded(&self, _: &Ray) -> bool { false }
+//! }
+//! let scene = SceneData { environment: Some(Environment::Constant([0.5, 1.0, 2.0])), ..SceneData::default() };
+//! let packed = PackedScene::new(&scene)?;
+//! let ray = Ray { origin: Vec3::ZERO, t_min: 0.0, direction: Vec3::Y, t_max: f32::MAX };
+//! let (mut sampler, mut counts) = (Sobol::new(0, pixel_seed(0, 1)), RayCounts::default());
+//! let path = trace_path(&packed.view(), &Nothing, &mut sampler, &ray, &PathSettings::default(), &mut counts);
+//! assert_eq!(path.radiance(), Vec3::new(0.5, 1.0, 2.0));
+//! # Ok::<(), pt_integrator::scene::SceneError>(())
+//! ```
+//!
+//! # Concepts
+//! - A [`scene::SceneData`] is what a loader builds. [`packed::PackedScene`] turns it into three buffers, with the
+//!   tables of its emitters; a [`view::SceneView`] borrows them. Nothing is copied or allocated while tracing.
+//! - [`path::trace_path`] traces one path with any ray caster and sampler and returns a [`path::PathOutcome`]: the
+//!   first vertex, and the path's light split into `emitted`, `direct` and `further`, so that
+//!   radiance = emitted + throughput·(direct + further). `direct` and `further` hold no albedo of the vertex.
+//! - Every vertex samples one emitter (next event) and one direction (scattering); both are weighted by the power
+//!   heuristic. Triangles are chosen by power through an alias table, points on them by area, directions to an
+//!   environment image in proportion to its bilinear luminance. A constant environment is found by scattering alone,
+//!   which is in proportion to it.
+//! - Surfaces are two-sided Lambert; the side is that of the shading normal. Emitters shine from the triangle's front,
+//!   or from both sides when their material says so, and shade with the triangle's own normal.
+//! - [`scene::Needs`] says which features a scene uses; the loop is compiled once for each set.
+//! - [`kernels`](self#features) wrap the functions for a backend: pixels → film, pixels → records, records (and a
+//!   cache's answers) → film, film → image.
+//!
+//! # Features
+//! None by default: tracing over borrowed slices. `alloc`: scenes and packing. `kernels`: kernels for
+//! `hashcache-backend-api`, and WGSL.
+//!
+//! # Memory
+//! 80 bytes a triangle, 112 an instance, 48 a material, 88 an emitting triangle, 20 a texel of an environment image;
+//! 32 bytes a pixel of film. A million triangles at 1920×1080: 80 MB and 66 MB.
+//!
+//! # Determinism
+//! A path depends on (seed, pixel, sample) and the scene only. A pixel's film depends on the order of its own samples
+//! only. The same bits for any number of threads and any cut into launches.
+//!
+//! # Limits today
+//! Lambert only. Emission has no texture. At most 2³¹ pixels, 2³² triangles, and what the backend binds. Surfaces that
+//! are nearer to each other than 2⁻¹⁸ of their coordinates are not told apart. Numbers are of 24 bits: of more than
+//! 2²⁴ emitting triangles some are never chosen by next event. The kernels have host bodies only.
+//!
+//! # Sources
+//! Keys of `REFERENCES.md`: Kajiya 1986, Veach 1997 (light transport), Burley 2020, Laine & Karras 2011,
+//! Ahmed 2024, Jarzynski & Olano 2020 (samplers), Duff et al. 2017 (basis), Shirley & Chiu 1997, Heitz 2019, Vose 1991,
+//! Pharr et al. 2023 (sampling), Wächter & Binder 2019 (ray origins), Kahan 1965 (film).
 #![no_std]
 
 #[cfg(feature = "alloc")]
