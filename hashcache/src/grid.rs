@@ -43,8 +43,9 @@ pub(crate) fn stages(
         quantum: Quantum::for_scale(max_radiance * L0_SHARE),
     })?;
     // One slot a pixel: cells hold many vertices, so the table stays nearly empty and probes short.
-    let slots =
-        settings.grid_slots.unwrap_or_else(|| camera.pixels().next_power_of_two().max(hashgrid::table::MIN_CELLS as u32));
+    let slots = settings
+        .grid_slots
+        .unwrap_or_else(|| camera.pixels().next_power_of_two().max(hashgrid::table::MIN_CELLS as u32));
     GridStages::new(params, slots)
 }
 

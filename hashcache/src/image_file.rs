@@ -22,7 +22,7 @@ pub struct Image {
 /// The kinds of files that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// OpenEXR, 32-bit floats.
+    /// `OpenEXR`, 32-bit floats.
     Exr,
     /// Radiance HDR, shared exponent.
     Hdr,

@@ -121,7 +121,7 @@ impl Resident {
         let mut done = 0;
         while done < total {
             let samples = at_once.min(total - done);
-            let params = self.trace_params(frame, 0, done, samples);
+            let params = trace_params(frame, 0, done, samples);
             let bindings = [self.triangles, self.scene, self.texels, self.film_of(0, self.pixels), self.counters];
             stage(backend, stats, "trace", |backend| {
                 backend.dispatch(&TRACE_FILM, bytemuck::bytes_of(&params), &bindings, Items::Count(self.pixels))
@@ -169,7 +169,7 @@ impl Resident {
         sample: u32,
     ) -> Result<(), BackendError> {
         for batch in batches {
-            let params = self.trace_params(frame, batch.first, sample, 1);
+            let params = trace_params(frame, batch.first, sample, 1);
             let bindings = [self.triangles, self.scene, self.texels, batch.records, self.counters];
             stage(backend, stats, "trace", |backend| {
                 backend.dispatch(&TRACE_RECORDS, bytemuck::bytes_of(&params), &bindings, Items::Count(batch.count))
@@ -218,24 +218,25 @@ impl Resident {
         Ok(())
     }
 
-    fn trace_params(&self, frame: &Frame<'_>, first_pixel: u32, first_sample: u32, samples: u32) -> TraceParams {
-        let settings = frame.settings;
-        TraceParams {
-            camera: CameraRays::new(frame.camera),
-            width: frame.camera.width,
-            first_pixel,
-            first_sample,
-            samples,
-            seed: settings.seed,
-            max_bounces: settings.max_bounces,
-            roulette_depth: settings.roulette_depth.unwrap_or(PathSettings::NO_ROULETTE),
-            reserved: 0,
-        }
-    }
-
     fn film_of(&self, first: u32, count: u32) -> Binding {
         let stride = size_of::<FilmPixel>() as u64;
         Binding { buffer: self.film, offset: u64::from(first) * stride, size: u64::from(count) * stride }
+    }
+}
+
+/// Parameters of the tracing kernels for a run of pixels and samples.
+fn trace_params(frame: &Frame<'_>, first_pixel: u32, first_sample: u32, samples: u32) -> TraceParams {
+    let settings = frame.settings;
+    TraceParams {
+        camera: CameraRays::new(frame.camera),
+        width: frame.camera.width,
+        first_pixel,
+        first_sample,
+        samples,
+        seed: settings.seed,
+        max_bounces: settings.max_bounces,
+        roulette_depth: settings.roulette_depth.unwrap_or(PathSettings::NO_ROULETTE),
+        reserved: 0,
     }
 }
 

@@ -194,19 +194,21 @@ fn load(scene: &str, settings: &Settings) -> Result<(Loaded, PackedScene, Vec<St
         let (image, of_image) = scene::environment::load(path, settings.env_scale, &options)?;
         warnings.extend(of_image.iter().map(|warning| format!("{}: {warning}", path.display())));
         loaded.data.environment = Some(Environment::Image(image));
-    } else if settings.env_scale != 1.0 {
-        scale_environment(loaded.data.environment.as_mut(), settings.env_scale);
+    } else if let Some(environment) = &mut loaded.data.environment {
+        scale_environment(environment, settings.env_scale);
+    } else if settings.env_scale.to_bits() != 1.0_f32.to_bits() {
+        let reason = "there is no environment for env_scale to scale; give one by --env".to_owned();
+        return Err(Error::BadScene { scene: scene.to_owned(), reason });
     }
     let packed = PackedScene::new(&loaded.data)
         .map_err(|error| Error::BadScene { scene: scene.to_owned(), reason: error.to_string() })?;
     Ok((loaded, packed, warnings))
 }
 
-fn scale_environment(environment: Option<&mut Environment>, scale: f32) {
+fn scale_environment(environment: &mut Environment, scale: f32) {
     match environment {
-        Some(Environment::Constant(color)) => color.iter_mut().for_each(|x| *x *= scale),
-        Some(Environment::Image(image)) => image.texels.iter_mut().flatten().for_each(|x| *x *= scale),
-        None => {}
+        Environment::Constant(color) => color.iter_mut().for_each(|x| *x *= scale),
+        Environment::Image(image) => image.texels.iter_mut().flatten().for_each(|x| *x *= scale),
     }
 }
 
