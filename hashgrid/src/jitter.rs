@@ -39,7 +39,7 @@ pub const fn turn_back(v: [i32; 3], axis: u32) -> [i32; 3] {
 /// `u`, `v` and the result in 256ths of a cell; `n` of any length, as from `octahedral_decode_int`.
 ///
 /// # Source
-/// S5 algorithm 1, `jitter(n)`.
+/// Binder et al. 2021, algorithm 1, `jitter(n)`.
 ///
 /// # Deviation
 /// The paper leaves the kernel open. Here it is a square seen along the normal's largest axis, so its edge in the plane

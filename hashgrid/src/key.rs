@@ -57,7 +57,7 @@ impl Key {
 /// is taken anew at the place it moved to, and the cell is the one of that level that holds this place.
 ///
 /// # Source
-/// S5 algorithm 1.
+/// Binder et al. 2021, algorithm 1.
 ///
 /// # Deviation
 /// Sizes are powers of two times a power of two, so no rounding enters: the way from floats to the key is shifts,
@@ -180,7 +180,7 @@ pub const fn home(key: &Key) -> u32 {
 /// The second hash, of another family, cut to the bits that a tag holds; never all ones.
 ///
 /// # Source
-/// S5 section 3.2.1.
+/// Binder et al. 2021, section 3.2.1.
 #[inline]
 pub const fn fingerprint(key: &Key) -> u32 {
     let [x, y, z] = key.cell;

@@ -102,7 +102,7 @@ pub type Quanta = [u64; 6];
 /// order of proposals. The first deposit settles a key: it can no longer be displaced. So sums never move.
 ///
 /// # Source
-/// S5 section 3.2 and 3.4.3 (atomicMin); Gale & Shapley 1962.
+/// Binder et al. 2021, section 3.2 and 3.4.3 (atomicMin); Gale & Shapley 1962.
 #[derive(Clone, Copy, Debug)]
 pub struct Table<'a> {
     words: &'a [Word],

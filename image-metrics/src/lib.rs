@@ -33,8 +33,8 @@
 //! RGB only, no alpha. No FLIP yet.
 //!
 //! # Source
-//! [`ms_ssim`]: Wang, Simoncelli and Bovik, "Multiscale structural similarity for image quality assessment", 2003.
-//! [`rel_mse`]: Rousselle, Knaus and Zwicker, "Adaptive sampling and reconstruction using greedy error minimization", 2011.
+//! [`ms_ssim`]: Wang et al. 2003.
+//! [`rel_mse`]: Rousselle et al. 2011.
 
 mod absolute;
 mod block_test;

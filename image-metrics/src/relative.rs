@@ -27,7 +27,7 @@ fn relative_square(i: f64, r: f64) -> f64 {
 /// None: a ratio, 0 for equal images, never negative.
 ///
 /// # Source
-/// Rousselle, Knaus and Zwicker 2011, section 3; ε from [`REL_MSE_EPSILON`].
+/// Rousselle et al. 2011, section 3; ε from [`REL_MSE_EPSILON`].
 ///
 /// ```
 /// # use image_metrics::{ImageView, rel_mse};

@@ -32,7 +32,7 @@ const C2: f64 = 0.03 * 0.03;
 /// None: 1 for images that look the same on a screen, 0 for nothing in common.
 ///
 /// # Source
-/// Wang, Simoncelli and Bovik 2003, equation 7.
+/// Wang et al. 2003, equation 7.
 ///
 /// ```
 /// # use image_metrics::{ImageView, ms_ssim};

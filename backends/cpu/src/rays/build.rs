@@ -30,7 +30,7 @@ pub(super) struct Binary {
 /// Clusters boxes bottom-up, then reinserts the costliest nodes.
 ///
 /// # Source
-/// Meister, Bittner 2018, "Parallel Locally-Ordered Clustering"; the same 2017, "Parallel Reinsertion"; both by obvhs.
+/// Meister & Bittner 2018 (clustering, reinsertion); both by obvhs.
 fn cluster(boxes: &[Aabb]) -> Binary {
     const PARAMS: BvhBuildParams = BvhBuildParams::medium_build();
     let count = boxes.len();

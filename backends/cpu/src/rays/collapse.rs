@@ -35,7 +35,7 @@ pub(super) struct Wide {
 /// Cuts `tree` into wide nodes. A leaf gets at most `leaf_size` primitives.
 ///
 /// # Source
-/// Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.1;
+/// Ylitie et al. 2017, section 3.1;
 /// a leaf costs the same however full it is, since all its triangles are tested at once.
 pub(super) fn collapse(tree: &Binary, leaf_size: u32) -> Wide {
     let plans = plan(tree, leaf_size);

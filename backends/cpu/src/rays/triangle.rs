@@ -82,7 +82,7 @@ struct Meeting<L: Lanes<LEAF>> {
 /// Which triangles of the block the ray meets beyond `t_min` and not beyond `t_end`.
 ///
 /// # Source
-/// Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", without its double precision: a ray that meets
+/// Woop et al. 2013, without its double precision: a ray that meets
 /// an edge within rounding counts for the triangles on both sides, so it cannot pass between them.
 #[inline(always)]
 fn meet<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_end: f32) -> Option<(u32, Meeting<L>)> {
