@@ -107,7 +107,7 @@ impl Case {
                         work(0..OPERATIONS);
                     });
                 }
-                cpu_time(threads) - start
+                cpu_time(threads).saturating_sub(start)
             });
         });
         group.finish();

@@ -13,6 +13,15 @@ pub const BLOCK: usize = 16;
 /// A block counts as beyond when its p-value is below this: 5 % of the blocks of an unbiased image are.
 pub const BEYOND: f64 = 0.05;
 
+/// The difference of a block's mean that is not held against an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Margin {
+    /// As a share of the larger of both means: 1e-5 covers the rounding of `f32` sums.
+    pub relative: f64,
+    /// In radiance, for what rounds absolutely, such as 8-bit textures that two programs decode differently.
+    pub absolute: f64,
+}
+
 /// How one channel of one block compares with the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockScore {
@@ -58,11 +67,10 @@ impl BlockTest {
 ///
 /// `runs` are images of the same view with different seeds; their spread gives the variance of their mean, pixel by pixel.
 /// `reference_variance` is the variance *of the reference's mean*. Pixels must be independent of each other (no filter,
-/// no cache), as they are for plain path tracing. `margin` is a relative difference of a block's mean that is not held
-/// against the image: 1e-5 covers the rounding of `f32` sums, and a known difference of conventions can be added.
+/// no cache), as they are for plain path tracing. `margin` is what is not held against the image, see [`Margin`].
 ///
 /// # The test
-/// For each block and channel z = (|mean difference| − margin·larger mean)⁺ / σ, where σ² sums the variances of the block's
+/// For each block and channel z = (|mean difference| − margin)⁺ / σ, where σ² sums the variances of the block's
 /// pixels. σ is itself estimated from few runs, so z follows Student's t, with the degrees of freedom of Welch and
 /// Satterthwaite: near pixels × (runs − 1) for even noise, near runs − 1 when one pixel rules. Two things are judged:
 /// the smallest p-value of all blocks and channels (one region is wrong), by Bonferroni's bound over all of them; and for
@@ -77,10 +85,10 @@ impl BlockTest {
 /// [`Error::TooFewRuns`] below two runs, [`Error::SizesDiffer`], [`Error::NegativeVariance`], [`Error::Margin`].
 ///
 /// # Source
-/// Welch, "The generalization of Student's problem when several different population variances are involved", 1947.
+/// Welch 1947.
 ///
 /// ```
-/// use image_metrics::{ImageView, block_test};
+/// use image_metrics::{ImageView, Margin, block_test};
 ///
 /// // Four runs of a grey wall whose noise is ±0.1, and an exact reference.
 /// let run = |seed: u32| -> Vec<[f32; 3]> {
@@ -91,16 +99,17 @@ impl BlockTest {
 /// let views: Vec<_> = runs.iter().map(|r| ImageView::new(64, 64, r)).collect::<Result<_, _>>()?;
 /// let (grey, brighter, none) = ([[0.5; 3]; 64 * 64], [[0.52; 3]; 64 * 64], [[0.0; 3]; 64 * 64]);
 /// let none = ImageView::new(64, 64, &none)?;
+/// let margin = Margin { relative: 1e-5, absolute: 0.0 };
 /// let view = |pixels| ImageView::new(64, 64, pixels);
-/// assert!(block_test(&views, view(&grey)?, none, 1e-5)?.passes(1e-4));
-/// assert!(!block_test(&views, view(&brighter)?, none, 1e-5)?.passes(1e-4));
+/// assert!(block_test(&views, view(&grey)?, none, margin)?.passes(1e-4));
+/// assert!(!block_test(&views, view(&brighter)?, none, margin)?.passes(1e-4));
 /// # Ok::<(), image_metrics::Error>(())
 /// ```
 pub fn block_test(
     runs: &[ImageView],
     reference: ImageView,
     reference_variance: ImageView,
-    margin: f64,
+    margin: Margin,
 ) -> Result<BlockTest, Error> {
     if runs.len() < 2 {
         return Err(Error::TooFewRuns { runs: runs.len() });
@@ -112,7 +121,7 @@ pub fn block_test(
     if negative > 0 {
         return Err(Error::NegativeVariance { count: negative });
     }
-    if margin.is_nan() || margin < 0.0 {
+    if !(margin.relative >= 0.0 && margin.absolute >= 0.0) {
         return Err(Error::Margin);
     }
     let blocks = [reference.width().div_ceil(BLOCK), reference.height().div_ceil(BLOCK)];
@@ -161,9 +170,10 @@ fn block_sums(
 }
 
 impl BlockSums {
-    fn score(self, margin: f64) -> BlockScore {
+    fn score(self, margin: Margin) -> BlockScore {
         let difference = self.mean - self.reference;
-        let excess = (difference.abs() - margin * self.mean.abs().max(self.reference.abs())).max(0.0);
+        let forgiven = margin.relative * self.mean.abs().max(self.reference.abs()) + margin.absolute * self.pixels;
+        let excess = (difference.abs() - forgiven).max(0.0);
         let variance = self.run_variance + self.reference_variance;
         let degrees = if self.run_variance_squares > 0.0 {
             variance * variance / self.run_variance_squares

@@ -46,7 +46,7 @@ mod srgb;
 mod ssim;
 
 pub use absolute::{mse, psnr};
-pub use block_test::{BEYOND, BLOCK, BlockScore, BlockTest, block_test};
+pub use block_test::{BEYOND, BLOCK, BlockScore, BlockTest, Margin, block_test};
 pub use energy::{EnergyRatio, energy_ratio};
 pub use error::Error;
 pub use image::ImageView;

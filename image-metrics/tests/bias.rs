@@ -1,6 +1,6 @@
 //! The block test: it may call unbiased images biased as rarely as it says, and must find bias that matters.
 
-use image_metrics::{BLOCK, BlockTest, Error, ImageView, block_test};
+use image_metrics::{BLOCK, BlockTest, Error, ImageView, Margin, block_test};
 
 const W: usize = 96;
 const H: usize = 80;
@@ -39,11 +39,15 @@ fn test(runs: u32, experiment: u32, bias: impl Fn(usize) -> f64 + Copy) -> Block
     let variance: Vec<[f32; 3]> = (0..W * H).map(|i| [(0.02 * truth(i)).powi(2) as f32; 3]).collect();
     let views: Vec<_> = runs.iter().map(|r| ImageView::new(W, H, r).unwrap()).collect();
     let view = |pixels| ImageView::new(W, H, pixels).unwrap();
-    block_test(&views, view(&reference), view(&variance), 1e-5).unwrap()
+    block_test(&views, view(&reference), view(&variance), relative(1e-5)).unwrap()
 }
 
 /// 100 unbiased experiments at a false-alarm probability of 0.05: 5 alarms at most are expected. More than 16 have a
 /// probability of 1e-5 if the bound holds; the seeds are fixed, so the count is too.
+fn relative(relative: f64) -> Margin {
+    Margin { relative, absolute: 0.0 }
+}
+
 #[test]
 fn false_alarms_are_as_rare_as_said() {
     let results: Vec<_> = (1..=100).map(|e| test(4, e, |_| 0.0)).collect();
@@ -79,11 +83,14 @@ fn a_margin_forgives_what_it_says() {
     let none = vec![[0.0; 3]; 40 * 20];
     let view = |pixels| ImageView::new(40, 20, pixels).unwrap();
     let runs = [view(&brighter); 2];
-    let strict = block_test(&runs, view(&same), view(&none), 1e-5).unwrap();
+    let strict = block_test(&runs, view(&same), view(&none), relative(1e-5)).unwrap();
     assert_eq!((strict.p_value, strict.max_abs_z), (0.0, f64::INFINITY));
     assert_eq!(strict.blocks, [3, 2]);
-    let lenient = block_test(&runs, view(&same), view(&none), 0.002).unwrap();
+    let lenient = block_test(&runs, view(&same), view(&none), relative(0.002)).unwrap();
     assert_eq!((lenient.p_value, lenient.max_abs_z), (1.0, 0.0));
+    let absolute = |absolute| Margin { relative: 0.0, absolute };
+    assert!(!block_test(&runs, view(&same), view(&none), absolute(0.0009)).unwrap().passes(0.5));
+    assert!(block_test(&runs, view(&same), view(&none), absolute(0.0011)).unwrap().passes(0.5));
 }
 
 #[test]
@@ -93,7 +100,7 @@ fn few_runs_are_judged_by_their_degrees_of_freedom() {
     let (mut a, mut b) = (none.clone(), none.clone());
     (a[7], b[7]) = ([1.0; 3], [3.0; 3]);
     let view = |pixels| ImageView::new(16, 16, pixels).unwrap();
-    let result = block_test(&[view(&a), view(&b)], view(&none), view(&none), 0.0).unwrap();
+    let result = block_test(&[view(&a), view(&b)], view(&none), view(&none), relative(0.0)).unwrap();
     let score = result.scores[0][0];
     assert_eq!((score.degrees, score.z, score.difference), (1.0, 2.0, 2.0 / 256.0));
     // Student's t with one degree of freedom is Cauchy's distribution: 2/π·atan(1/2).
@@ -105,7 +112,7 @@ fn extremes_stay_numbers() {
     let (huge, tiny) = (vec![[f32::MAX; 3]; 300], vec![[1e-45; 3]; 300]);
     let view = |pixels| ImageView::new(20, 15, pixels).unwrap();
     for (a, b) in [(&huge, &tiny), (&tiny, &huge), (&huge, &huge), (&tiny, &tiny)] {
-        let result = block_test(&[view(a), view(b)], view(a), view(b), 0.0).unwrap();
+        let result = block_test(&[view(a), view(b)], view(a), view(b), relative(0.0)).unwrap();
         assert!((0.0..=1.0).contains(&result.p_value));
         assert!(result.scores.iter().flatten().all(|s| !s.z.is_nan() && (0.0..=1.0).contains(&s.p)));
     }
@@ -116,8 +123,8 @@ fn wrong_input_is_refused() {
     let (pixels, negative) = (vec![[1.0; 3]; 4], vec![[-1.0; 3]; 4]);
     let (a, wide) = (ImageView::new(2, 2, &pixels).unwrap(), ImageView::new(4, 1, &pixels).unwrap());
     let bad = ImageView::new(2, 2, &negative).unwrap();
-    assert_eq!(block_test(&[a], a, a, 0.0), Err(Error::TooFewRuns { runs: 1 }));
-    assert_eq!(block_test(&[a, a], a, bad, 0.0), Err(Error::NegativeVariance { count: 4 }));
-    assert_eq!(block_test(&[a, a], a, a, f64::NAN), Err(Error::Margin));
-    assert!(matches!(block_test(&[a, wide], a, a, 0.0), Err(Error::SizesDiffer { .. })));
+    assert_eq!(block_test(&[a], a, a, relative(0.0)), Err(Error::TooFewRuns { runs: 1 }));
+    assert_eq!(block_test(&[a, a], a, bad, relative(0.0)), Err(Error::NegativeVariance { count: 4 }));
+    assert_eq!(block_test(&[a, a], a, a, relative(f64::NAN)), Err(Error::Margin));
+    assert!(matches!(block_test(&[a, wide], a, a, relative(0.0)), Err(Error::SizesDiffer { .. })));
 }

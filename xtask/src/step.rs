@@ -31,8 +31,9 @@ impl Step {
         let arguments: Vec<String> = arguments.iter().map(|&a| a.to_owned()).collect();
         let environment: Vec<(String, String)> =
             environment.iter().map(|&(k, v)| (k.to_owned(), v.to_owned())).collect();
-        let prefix: String = environment.iter().map(|(k, v)| format!("{k}={v} ")).collect();
-        let name = format!("{prefix}cargo {}", arguments.join(" "));
+        let words = environment.iter().map(|(k, v)| format!("{k}={v}"));
+        let words = words.chain(["cargo".to_owned()]).chain(arguments.iter().cloned());
+        let name = words.collect::<Vec<_>>().join(" ");
         Self::new(&name, on_failure, move || {
             let mut command = Command::new(cargo());
             command.args(&arguments).envs(environment.iter().map(|(k, v)| (k, v))).current_dir(root());
