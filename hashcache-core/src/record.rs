@@ -24,7 +24,7 @@ use crate::pack::octahedral_decode;
 /// | 80..84 | `normal` | octahedral: x in bits 0..16, y in bits 16..32 |
 /// | 84..88 | `direction` | octahedral |
 /// | 88..92 | `seed` | any 32 bits |
-/// | 92..96 | `flags` | bit 0: [`VertexRecord::VALID`]; the others are 0 |
+/// | 92..96 | `flags` | bit 0: [`VertexRecord::VALID`], 1: [`VertexRecord::SECONDARY`], 2: [`VertexRecord::VISIBLE_ONLY`]; the others are 0 |
 ///
 /// A worked example of an octahedral word stands in [`crate::pack`].
 ///
@@ -66,13 +66,26 @@ pub struct VertexRecord {
     pub direction: u32,
     /// Seed of the vertex's random decisions (jitter), unique to pixel and sample.
     pub seed: u32,
-    /// [`VertexRecord::VALID`] and, later, further bits.
+    /// [`VertexRecord::VALID`], [`VertexRecord::SECONDARY`], [`VertexRecord::VISIBLE_ONLY`].
     pub flags: u32,
 }
 
 impl VertexRecord {
     /// Flag: the path has a vertex to cache; without it only `emitted` counts.
     pub const VALID: u32 = 1;
+
+    /// Flag: not the path's first vertex. It feeds a cache like any other, but its light reaches the pixel through the
+    /// first vertex's record already: it is no estimate of a pixel, and `throughput` is the product from the camera.
+    pub const SECONDARY: u32 = 2;
+
+    /// Flag: a vertex that asks a cache and never feeds it: `further` is not known and 0.
+    pub const VISIBLE_ONLY: u32 = 4;
+
+    /// Whether a cache may record the vertex: valid, and its light is known.
+    #[inline]
+    pub const fn is_recordable(&self) -> bool {
+        self.flags & (Self::VALID | Self::VISIBLE_ONLY) == Self::VALID
+    }
 
     /// Whether the path has a vertex to cache.
     #[inline]

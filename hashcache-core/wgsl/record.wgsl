@@ -2,6 +2,10 @@
 
 // VertexRecord::VALID.
 const HC_VALID: u32 = 1u;
+// VertexRecord::SECONDARY.
+const HC_SECONDARY: u32 = 2u;
+// VertexRecord::VISIBLE_ONLY.
+const HC_VISIBLE_ONLY: u32 = 4u;
 
 struct HcVertexRecord {
     position_footprint: vec4<f32>,

@@ -29,6 +29,8 @@ fn twins() -> BTreeMap<&'static str, f64> {
         ("HC_OUTCOME_NON_FINITE", exact::Outcome::NonFinite as u32),
         ("HC_OUTCOME_NEGATIVE", exact::Outcome::Negative as u32),
         ("HC_VALID", VertexRecord::VALID),
+        ("HC_SECONDARY", VertexRecord::SECONDARY),
+        ("HC_VISIBLE_ONLY", VertexRecord::VISIBLE_ONLY),
         ("HG_CELL_BITS", params::CELL_BITS),
         ("HG_SALT_DEPOSIT", jitter::SALT_DEPOSIT),
         ("HG_SALT_LOOKUP", jitter::SALT_LOOKUP),
