@@ -33,8 +33,21 @@ pub enum Error {
         reason: String,
     },
     /// The cache refused its parameters.
-    #[error("cache grid: {0}")]
-    Grid(String),
+    #[error("cache {kind}: {reason}")]
+    Cache {
+        /// The cache.
+        kind: &'static str,
+        /// Why.
+        reason: String,
+    },
+    /// A frame's camera is for a picture of another size than the session's.
+    #[error("camera: made for a picture of {}x{}, the session's has {}x{}", size.0, size.1, wanted.0, wanted.1)]
+    CameraSize {
+        /// Columns and rows that the camera is for.
+        size: (u32, u32),
+        /// Columns and rows of the session's picture.
+        wanted: (u32, u32),
+    },
     /// The frame needs more memory than there is.
     #[error("{what} needs {bytes} bytes, more than can be had; choose a smaller --size or grid.slots")]
     OutOfMemory {

@@ -25,14 +25,14 @@ const L0_SHARE: f32 = 1.0 / 512.0;
 /// Word of a cell that holds tag and count, and words of a cell.
 const CELL_BYTES: usize = hashgrid::CELL_WORDS * 8;
 
-/// The grid for a frame.
-pub(crate) fn stages(
+/// The grid's parameters for a camera.
+pub(crate) fn params(
     settings: &Settings,
     camera: &Camera,
     geometry: &Geometry<'_>,
     max_radiance: f32,
-) -> Result<GridStages, ParamError> {
-    let params = Params::new(&GridSettings {
+) -> Result<Params, ParamError> {
+    Params::new(&GridSettings {
         cell_footprints: settings.grid_cell,
         base_size: (diagonal(geometry) * SMALLEST_CELL).clamp(1e-9, 1e6),
         pixel_angle: CameraRays::new(camera).pixel_angle(),
@@ -41,7 +41,17 @@ pub(crate) fn stages(
         max_probes: settings.grid_max_probes,
         seed: settings.seed,
         quantum: Quantum::for_scale(max_radiance * L0_SHARE),
-    })?;
+    })
+}
+
+/// The grid for a session that starts at a camera.
+pub(crate) fn stages(
+    settings: &Settings,
+    camera: &Camera,
+    geometry: &Geometry<'_>,
+    max_radiance: f32,
+) -> Result<GridStages, ParamError> {
+    let params = params(settings, camera, geometry, max_radiance)?;
     // One slot a pixel: cells hold many vertices, so the table stays nearly empty and probes short.
     let slots = settings
         .grid_slots

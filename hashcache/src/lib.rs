@@ -43,6 +43,7 @@ mod needs;
 mod pipeline;
 mod plan;
 mod preview;
+mod session;
 mod settings;
 mod stats;
 
@@ -52,6 +53,7 @@ pub use needs::{Needs, needs};
 pub use plan::{FramePlan, Stage};
 pub use preview::{Preview, Progress, Rendered};
 pub use scene;
+pub use session::{FrameOutput, Session};
 pub use settings::{MAX_BOUNCES, MAX_SIDE, MAX_SPP, Settings, SettingsError};
 pub use stats::{CacheStats, EnergyBalance, LevelStats, Rays, Stats, Times};
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use backend_api::Error as BackendError;
+use hashcache_core::geometry::Geometry;
 use hashcache_core::stages::CastsRays;
 use pt_integrator::packed::PackedScene;
 use pt_integrator::scene::{Camera, Environment};
@@ -12,8 +12,8 @@ use crate::clock::{self, Elapsed};
 use crate::error::Error;
 use crate::image_file::Image;
 use crate::needs::{Needs, needs};
-use crate::pipeline::{self, Frame};
 use crate::plan::FramePlan;
+use crate::session::Session;
 use crate::settings::Settings;
 use crate::stats::Stats;
 
@@ -119,15 +119,7 @@ impl Preview {
     /// Those of the backend, with its name.
     #[cfg(feature = "cpu")]
     pub fn render(&self, progress: &mut dyn FnMut(Progress)) -> Result<Rendered, Error> {
-        use crate::choice::Launcher;
-        let threads = self.settings.threads as usize;
-        let mut backend = match self.settings.launcher {
-            Launcher::Serial => backend_cpu::CpuBackend::serial(),
-            Launcher::Rayon => {
-                backend_cpu::CpuBackend::rayon(threads).map_err(|error| Error::Backend { backend: "rayon", error })?
-            }
-        };
-        self.render_on(&mut backend, progress)
+        self.render_on(&mut self.backend()?, progress)
     }
 
     /// Renders on a backend of the caller's.
@@ -139,42 +131,110 @@ impl Preview {
         backend: &mut B,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Rendered, Error> {
-        let name = backend.name();
-        let frame = Frame {
-            scene: &self.packed,
-            geometry: self.loaded.data.geometry(),
-            camera: &self.camera,
-            settings: &self.settings,
-            plan: &self.plan,
-            max_radiance: self.max_radiance(),
-        };
-        let traced = pipeline::render(backend, &frame, progress).map_err(|error| match error {
-            pipeline::Error::Backend(BackendError::OutOfMemory { size }) => {
-                Error::OutOfMemory { what: "the frame", bytes: size }
-            }
-            pipeline::Error::Backend(error) => Error::Backend { backend: name, error },
-            pipeline::Error::Grid(error) => Error::Grid(error.to_string()),
-        })?;
+        progress(Progress { stage: "build", done: 0, total: self.settings.spp });
+        let mut session = self.session(backend)?;
+        let image = session.frame(&self.camera, progress)?.image;
+        Ok(Rendered { image, stats: session.stats()? })
+    }
+
+    /// The backend that the settings name.
+    ///
+    /// # Errors
+    /// Those of the backend, with its name.
+    #[cfg(feature = "cpu")]
+    pub fn backend(&self) -> Result<backend_cpu::CpuBackend, Error> {
+        use crate::choice::Launcher;
+        match self.settings.launcher {
+            Launcher::Serial => Ok(backend_cpu::CpuBackend::serial()),
+            Launcher::Rayon => backend_cpu::CpuBackend::rayon(self.settings.threads as usize)
+                .map_err(|error| Error::Backend { backend: "rayon", error }),
+        }
+    }
+
+    /// Frames that share buffers and cache on a backend.
+    ///
+    /// # Errors
+    /// Those of the backend, with its name.
+    pub fn session<'a, B: CastsRays>(&'a self, backend: &'a mut B) -> Result<Session<'a, B>, Error> {
+        Session::new(self, backend)
+    }
+
+    /// The camera that the settings name.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// A camera for the picture's size from a view in the scene file's coordinates.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a view too far away to be expressed.
+    pub fn camera_at(&self, view: &View) -> Result<Camera, Error> {
+        Ok(view.camera(self.loaded.origin, self.camera.width, self.camera.height)?)
+    }
+
+    /// The settings in force.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The same scene under other settings; it is read again only if they name another environment.
+    ///
+    /// # Errors
+    /// As [`Preview::open`].
+    pub fn with_settings(self, settings: &Settings) -> Result<Self, Error> {
+        let same_light =
+            self.settings.env == settings.env && self.settings.env_scale.to_bits() == settings.env_scale.to_bits();
+        if !same_light {
+            return Self::open(&self.loaded.name, settings);
+        }
+        settings.validate()?;
+        let camera = camera(&self.loaded, settings)?;
+        let plan = FramePlan::new(self.plan.needs.clone(), settings);
+        Ok(Self { settings: settings.clone(), camera, plan, ..self })
+    }
+
+    pub(crate) fn geometry(&self) -> Geometry<'_> {
+        self.loaded.data.geometry()
+    }
+
+    pub(crate) fn packed(&self) -> &PackedScene {
+        &self.packed
+    }
+
+    /// The packed scene with all lights scaled, or what is wrong with the factor.
+    pub(crate) fn packed_with_light(&self, factor: f32) -> Result<PackedScene, String> {
+        if !(factor >= 0.0 && factor.is_finite()) {
+            return Err(format!("a factor of {factor}; it must be a number of at least 0"));
+        }
+        let mut data = self.loaded.data.clone();
+        for material in &mut data.materials {
+            material.emission[..3].iter_mut().for_each(|x| *x *= factor);
+        }
+        if let Some(environment) = &mut data.environment {
+            scale_environment(environment, factor);
+        }
+        PackedScene::new(&data).map_err(|error| error.to_string())
+    }
+
+    /// Figures that hold before the first frame.
+    pub(crate) fn stats(&self, backend: &'static str) -> Stats {
         let mut stats = Stats {
             scene: self.loaded.name.clone(),
-            backend: name.to_owned(),
+            backend: backend.to_owned(),
             settings: self.settings.to_json(),
             needs: self.plan.needs.clone(),
             plan: self.plan.stages.clone(),
-            peak_rss_bytes: clock::peak_rss_bytes(),
-            samples_per_pixel: self.settings.spp,
-            frames: 1,
             warnings: self.warnings.clone(),
-            ..traced.stats
+            ..Stats::default()
         };
         stats.settings.insert("size".into(), format!("{}x{}", self.camera.width, self.camera.height).into());
         stats.time_s.load = self.load.wall_s;
         stats.cpu_s.load = self.load.cpu_s;
-        Ok(Rendered { image: traced.image, stats })
+        stats
     }
 
     /// The largest radiance that anything emits.
-    fn max_radiance(&self) -> f32 {
+    pub(crate) fn max_radiance(&self) -> f32 {
         let data = &self.loaded.data;
         let materials = data.materials.iter().flat_map(|material| material.emission[..3].iter());
         let environment: Box<dyn Iterator<Item = &f32>> = match &data.environment {

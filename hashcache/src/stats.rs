@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 
 use crate::clock::Elapsed;
 use crate::needs::Needs;
+use crate::pipeline::Work;
 use crate::plan::Stage;
 
 /// Figures of one render. Its JSON keys are stable; more may stand beside them.
@@ -128,9 +129,19 @@ pub struct EnergyBalance {
 }
 
 impl Stats {
-    /// Adds a stage's time to the sums.
-    pub(crate) fn add_stage(&mut self, stage: &'static str, elapsed: Elapsed) {
-        *self.time_s.stages.entry(stage).or_default() += elapsed.wall_s;
-        *self.cpu_s.stages.entry(stage).or_default() += elapsed.cpu_s;
+    /// Adds a frame to the sums.
+    pub(crate) fn add_frame(&mut self, elapsed: Elapsed, work: &Work) {
+        self.time_s.render += elapsed.wall_s;
+        self.cpu_s.render += elapsed.cpu_s;
+        for (stage, elapsed) in &work.stages {
+            *self.time_s.stages.entry(stage).or_default() += elapsed.wall_s;
+            *self.cpu_s.stages.entry(stage).or_default() += elapsed.cpu_s;
+        }
+        self.rays.closest += work.rays.closest;
+        self.rays.shadow_asked += work.rays.shadow_asked;
+        self.rays.shadow_traced += work.rays.shadow_traced;
+        self.non_finite += work.non_finite;
+        self.samples_per_pixel += work.samples;
+        self.frames += 1;
     }
 }

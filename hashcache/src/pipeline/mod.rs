@@ -1,0 +1,266 @@
+//! One pipeline for every backend: runs a plan, frame after frame.
+
+mod buffers;
+mod cached;
+
+use backend_api::{Backend, Binding, Error as BackendError, Items, Primitive};
+use hashcache_core::error::ParamError;
+use hashcache_core::stages::CastsRays;
+use pt_integrator::camera::CameraRays;
+use pt_integrator::film::FilmPixel;
+use pt_integrator::kernels::{RESOLVE, TRACE_FILM, TraceParams};
+use pt_integrator::packed::PackedScene;
+use pt_integrator::path::{PathSettings, RayCounts};
+use pt_integrator::scene::Camera;
+
+use crate::choice::CacheKind;
+use crate::error::Error as Told;
+use crate::image_file::Image;
+use crate::preview::{Preview, Progress};
+use crate::settings::Settings;
+use crate::stats::{CacheStats, Rays};
+
+pub(crate) use buffers::{Work, read};
+use buffers::{create, part, upload};
+use cached::Cached;
+
+/// Paths of one submission without a cache: often enough to show progress, seldom enough to cost nothing.
+const PATHS_PER_SUBMIT: u64 = 1 << 21;
+
+/// What can go wrong in a frame.
+#[derive(Debug)]
+pub(crate) enum Error {
+    Backend(BackendError),
+    Cache { kind: &'static str, reason: String },
+}
+
+impl From<BackendError> for Error {
+    fn from(error: BackendError) -> Self {
+        Self::Backend(error)
+    }
+}
+
+impl Error {
+    /// A cache's refusal of its parameters.
+    pub fn of_cache(kind: &'static str, error: ParamError) -> Self {
+        Self::Cache { kind, reason: error.to_string() }
+    }
+
+    /// As the caller of the library reads it.
+    pub fn told(self, backend: &'static str) -> Told {
+        match self {
+            Self::Backend(BackendError::OutOfMemory { size }) => Told::OutOfMemory { what: "the frame", bytes: size },
+            Self::Backend(error) => Told::Backend { backend, error },
+            Self::Cache { kind, reason } => Told::Cache { kind, reason },
+        }
+    }
+}
+
+/// A scene's buffers, a cache, and the pixels' sums.
+#[derive(Debug)]
+pub(crate) struct Pipeline {
+    resident: Resident,
+    film: Binding,
+    cached: Option<Cached>,
+    /// The camera of the last frame.
+    camera: Option<Camera>,
+    /// Samples a pixel traced so far, in all frames: each takes fresh points of the sequence.
+    traced: u32,
+    /// Factor on all lights.
+    light: f32,
+}
+
+/// What every tracing kernel reads.
+#[derive(Clone, Copy, Debug)]
+struct Resident {
+    triangles: Binding,
+    scene: Binding,
+    texels: Binding,
+    counters: Binding,
+    pixels: u32,
+}
+
+impl Pipeline {
+    /// Uploads the scene and makes the cache that the settings name.
+    pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview) -> Result<Self, Error> {
+        backend.set_geometry(&preview.geometry())?;
+        let packed = preview.packed();
+        let pixels = preview.camera().pixels();
+        let resident = Resident {
+            triangles: upload(backend, "triangles", packed.triangle_bytes())?,
+            scene: upload(backend, "scene", packed.scene_bytes())?,
+            texels: upload(backend, "texels", packed.texel_bytes())?,
+            counters: create(backend, "ray counters", RayCounts::WORDS as u64 * 8)?,
+            pixels,
+        };
+        let film = create(backend, "film", u64::from(pixels) * size_of::<FilmPixel>() as u64)?;
+        let cached = match preview.settings().cache {
+            CacheKind::None => None,
+            CacheKind::Grid => Some(Cached::new(backend, preview)?),
+        };
+        Ok(Self { resident, film, cached, camera: None, traced: 0, light: 1.0 })
+    }
+
+    /// One frame: `spp` more samples a pixel. Sums start anew where the camera moved.
+    pub fn frame<B: CastsRays>(
+        &mut self,
+        backend: &mut B,
+        preview: &Preview,
+        camera: &Camera,
+        work: &mut Work,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Image, Error> {
+        let moved = self.camera.as_ref() != Some(camera);
+        if moved {
+            if self.camera.is_some() {
+                work.stage(backend, "resolve", |backend| {
+                    backend.primitive(Primitive::Fill { buffer: self.film.buffer, word: 0 })
+                })?;
+            }
+            self.camera = Some(camera.clone());
+        }
+        let before = self.resident.ray_counts(backend)?;
+        let pass = Pass { resident: self.resident, film: self.film, camera, settings: preview.settings() };
+        match &mut self.cached {
+            None => paths(backend, &pass, self.traced, work, progress)?,
+            Some(cached) => cached.frame(backend, &pass, preview, moved, self.traced, work, progress)?,
+        }
+        let spp = preview.settings().spp;
+        self.traced = self.traced.wrapping_add(spp);
+        work.samples = spp;
+        let image = pass.resolve(backend, work)?;
+        let counts = self.resident.ray_counts(backend)?;
+        work.rays = Rays {
+            closest: counts.closest - before.closest,
+            shadow_asked: counts.shadow_asked - before.shadow_asked,
+            shadow_traced: counts.shadow_traced - before.shadow_traced,
+        };
+        work.non_finite = counts.non_finite - before.non_finite;
+        Ok(image)
+    }
+
+    /// Forgets cached light.
+    pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {
+        self.cached.as_mut().map_or(Ok(()), |cached| cached.wipe(backend))
+    }
+
+    /// Scales all lights and forgets what they lit.
+    pub fn scale_light<B: CastsRays>(&mut self, backend: &mut B, preview: &Preview, factor: f32) -> Result<(), Error> {
+        if factor.to_bits() == self.light.to_bits() {
+            return Ok(());
+        }
+        let scaled = preview.packed_with_light(factor);
+        let bytes = scaled
+            .as_ref()
+            .map(PackedScene::scene_bytes)
+            .map_err(|reason| Error::Cache { kind: "light", reason: reason.clone() })?;
+        backend.write(self.resident.scene.buffer, 0, bytes)?;
+        self.light = factor;
+        // The next frame starts new sums even if the camera rests.
+        self.camera = None;
+        backend.primitive(Primitive::Fill { buffer: self.film.buffer, word: 0 })?;
+        backend.submit()?;
+        self.wipe(backend)
+    }
+
+    /// Pictures beside the picture.
+    pub fn aovs<B: CastsRays>(
+        &mut self,
+        _backend: &mut B,
+        _preview: &Preview,
+    ) -> Result<Vec<(&'static str, Image)>, Error> {
+        Ok(Vec::new())
+    }
+
+    /// The cache's figures.
+    pub fn cache_stats<B: CastsRays>(
+        &mut self,
+        backend: &mut B,
+        preview: &Preview,
+    ) -> Result<Option<CacheStats>, Error> {
+        self.cached.as_mut().map(|cached| cached.stats(backend, preview.settings())).transpose()
+    }
+}
+
+impl Resident {
+    fn ray_counts<B: Backend>(&self, backend: &mut B) -> Result<RayCounts, BackendError> {
+        let bytes = read(backend, self.counters)?;
+        let mut words = [0; RayCounts::WORDS];
+        for (word, bytes) in words.iter_mut().zip(bytes.chunks_exact(8)) {
+            *word = bytemuck::pod_read_unaligned(bytes);
+        }
+        Ok(RayCounts::from_words(words))
+    }
+}
+
+/// What the passes of one frame share.
+struct Pass<'a> {
+    resident: Resident,
+    film: Binding,
+    camera: &'a Camera,
+    settings: &'a Settings,
+}
+
+impl Pass<'_> {
+    /// Parameters of the tracing kernels for a run of pixels and samples.
+    fn trace_params(&self, first_pixel: u32, first_sample: u32, samples: u32) -> TraceParams {
+        let settings = self.settings;
+        TraceParams {
+            camera: CameraRays::new(self.camera),
+            width: self.camera.width,
+            first_pixel,
+            first_sample,
+            samples,
+            seed: settings.seed,
+            max_bounces: settings.max_bounces,
+            roulette_depth: settings.roulette_depth.unwrap_or(PathSettings::NO_ROULETTE),
+            reserved: 0,
+        }
+    }
+
+    /// The film's mean as a picture.
+    fn resolve<B: Backend>(&self, backend: &mut B, work: &mut Work) -> Result<Image, Error> {
+        let pixels = self.resident.pixels;
+        let radiance = create(backend, "radiance", u64::from(pixels) * 16)?;
+        work.stage(backend, "resolve", |backend| {
+            backend.dispatch(&RESOLVE, &[], &[self.film, radiance], Items::Count(pixels))
+        })?;
+        let bytes = read(backend, radiance)?;
+        backend.destroy(radiance.buffer)?;
+        Ok(self.picture(&bytes))
+    }
+
+    /// A picture from texels of four floats.
+    fn picture(&self, bytes: &[u8]) -> Image {
+        let pixels = bytes.chunks_exact(16).map(|texel| {
+            let [r, g, b, _]: [f32; 4] = bytemuck::pod_read_unaligned(texel);
+            [r, g, b]
+        });
+        Image { width: self.camera.width, height: self.camera.height, pixels: pixels.collect() }
+    }
+}
+
+/// Whole paths into the film.
+fn paths<B: CastsRays>(
+    backend: &mut B,
+    pass: &Pass<'_>,
+    traced: u32,
+    work: &mut Work,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(), Error> {
+    let (total, pixels) = (pass.settings.spp, pass.resident.pixels);
+    let at_once = (PATHS_PER_SUBMIT / u64::from(pixels)).clamp(1, u64::from(total)) as u32;
+    let mut done = 0;
+    while done < total {
+        let samples = at_once.min(total - done);
+        let params = pass.trace_params(0, traced.wrapping_add(done), samples);
+        let Resident { triangles, scene, texels, counters, .. } = pass.resident;
+        let bindings = [triangles, scene, texels, pass.film, counters];
+        work.stage(backend, "trace", |backend| {
+            backend.dispatch(&TRACE_FILM, bytemuck::bytes_of(&params), &bindings, Items::Count(pixels))
+        })?;
+        done += samples;
+        progress(Progress { stage: "trace", done, total });
+    }
+    Ok(())
+}
