@@ -50,6 +50,31 @@ impl CameraRays {
         }
     }
 
+    /// The same picture cut into another number of pixels, `width` × `height`, both above 0; the pixel's angle stays.
+    ///
+    /// Paths of a coarser or finer picture than the one shown then have the footprints of the picture shown.
+    ///
+    /// ```
+    /// use hashcache_core::glam::{Vec2, Vec3};
+    /// use pt_integrator::camera::CameraRays;
+    /// use pt_integrator::scene::Camera;
+    /// let full = CameraRays::new(&Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, 1.0, 8, 6)?);
+    /// let half = full.with_size([8, 6], [4, 3]);
+    /// let (a, b) = (full.ray([5, 4], Vec2::ZERO), half.ray([2, 2], Vec2::new(0.5, 0.0)));
+    /// assert!(a.direction.distance(b.direction) < 1e-6);
+    /// assert_eq!(half.pixel_angle(), full.pixel_angle());
+    /// # Ok::<(), pt_integrator::scene::CameraError>(())
+    /// ```
+    #[must_use]
+    pub fn with_size(self, [width, height]: [u32; 2], to: [u32; 2]) -> Self {
+        let stretch = |step: &[f32; 4], ratio: f32| (xyz(step) * ratio).extend(0.0).to_array();
+        Self {
+            step_right: stretch(&self.step_right, width as f32 / to[0] as f32),
+            step_down: stretch(&self.step_down, height as f32 / to[1] as f32),
+            ..self
+        }
+    }
+
     /// The angle of a pixel in radians: a path's footprint is its length times this.
     #[inline]
     pub fn pixel_angle(&self) -> f32 {

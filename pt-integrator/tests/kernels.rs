@@ -66,7 +66,7 @@ fn params(samples: u32, first_sample: u32) -> TraceParams {
         seed: 5,
         max_bounces: 4,
         roulette_depth: PathSettings::NO_ROULETTE,
-        reserved: 0,
+        store_length: u32::MAX,
     }
 }
 

@@ -86,7 +86,7 @@ fn traced(checks: &mut Checks) -> Option<Vec<VertexRecord>> {
         seed: 1,
         max_bounces: settings.max_bounces,
         roulette_depth: settings.roulette_depth,
-        reserved: 0,
+        store_length: u32::MAX,
     };
     let params = bytemuck::bytes_of(&params);
     let counters = words(RayCounts::WORDS);

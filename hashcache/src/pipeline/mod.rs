@@ -214,7 +214,7 @@ impl Pass<'_> {
             seed: settings.seed,
             max_bounces: settings.max_bounces,
             roulette_depth: settings.roulette_depth.unwrap_or(PathSettings::NO_ROULETTE),
-            reserved: 0,
+            store_length: u32::MAX,
         }
     }
 

@@ -4,7 +4,7 @@
 //! | kernel | parameters | bindings |
 //! |---|---|---|
 //! | [`TRACE_FILM`] | [`TraceParams`] | triangles, scene, texels, film (out), counters |
-//! | [`TRACE_RECORDS`] | [`TraceParams`] | triangles, scene, texels, records (out), counters |
+//! | [`trace_records`] | [`TraceParams`] | triangles, scene, texels, records (out), counters |
 //! | [`COMPOSE_TRACED`] | none | records, film (out) |
 //! | [`COMPOSE_CACHED`] | [`ComposeParams`] | records, estimates, film (out) |
 //! | [`RESOLVE`] | none | film, radiance (out) |
@@ -15,8 +15,9 @@
 
 mod compose;
 mod params;
+mod shared;
 mod trace;
 
 pub use compose::{COMPOSE_CACHED, COMPOSE_TRACED, RESOLVE};
 pub use params::{ComposeParams, TraceParams};
-pub use trace::{TRACE_FILM, TRACE_RECORDS};
+pub use trace::{TRACE_FILM, TRACE_RECORDS, trace_records};

@@ -1,28 +1,20 @@
 //! Kernels that trace paths.
 
-use core::sync::atomic::Ordering;
-
-use backend_api::{Access, BindingDecl, Kernel, Launch, Status};
+use backend_api::{Access, BindingDecl, Kernel, Launch};
 use hashcache_core::record::VertexRecord;
-use hashcache_core::stages::LaunchRays;
+use hashcache_core::traits::Sampler;
 
 use super::TraceParams;
+use super::shared::{COUNTERS, SCENE, TEXELS, TRIANGLES, Tracing};
 use crate::film::FilmPixel;
-use crate::packed::SceneTriangle;
-use crate::path::{PathOutcome, RayCounts, trace_path};
+use crate::path::{MAX_STORED, PathOutcome, trace_path, trace_path_vertices};
 use crate::sampler::{Sobol, pixel_seed, vertex_seed};
-use crate::view::SceneView;
-
-const TRIANGLES: BindingDecl =
-    BindingDecl { name: "pt_triangles", access: Access::In, stride: size_of::<SceneTriangle>() as u32 };
-const SCENE: BindingDecl = BindingDecl { name: "pt_scene", access: Access::In, stride: 4 };
-const TEXELS: BindingDecl = BindingDecl { name: "pt_texels", access: Access::In, stride: 4 };
-const COUNTERS: BindingDecl = BindingDecl { name: "pt_counters", access: Access::AtomicU64, stride: 8 };
 
 /// Traces `samples` paths through each pixel and adds their radiance to the film.
 ///
 /// Bindings: triangles, scene, texels, film ([`FilmPixel`] for each item), counters. Parameters: [`TraceParams`].
-/// Paths whose radiance is NaN or infinite count as black samples, raise [`Status::NON_FINITE`] and are counted.
+/// Paths whose radiance is NaN or infinite count as black samples, raise
+/// [`Status::NON_FINITE`](backend_api::Status::NON_FINITE) and are counted.
 pub static TRACE_FILM: Kernel = Kernel {
     name: "pt.trace_film",
     bindings: &[
@@ -38,74 +30,110 @@ pub static TRACE_FILM: Kernel = Kernel {
     casts_rays: true,
 };
 
-/// Traces one path through each pixel and writes its first vertex.
+/// Traces one path through each pixel and writes its first vertex: [`trace_records`] of one vertex.
+pub static TRACE_RECORDS: Kernel = Records::<1>::kernel("pt.trace_records");
+
+static TRACE_MORE: [Kernel; MAX_STORED - 1] = [
+    Records::<2>::kernel("pt.trace_records_2"),
+    Records::<3>::kernel("pt.trace_records_3"),
+    Records::<4>::kernel("pt.trace_records_4"),
+    Records::<5>::kernel("pt.trace_records_5"),
+    Records::<6>::kernel("pt.trace_records_6"),
+    Records::<7>::kernel("pt.trace_records_7"),
+    Records::<8>::kernel("pt.trace_records_8"),
+];
+
+/// The kernel that traces one path through each pixel and writes its first `store` vertices, 1 to
+/// [`MAX_STORED`]; `None` for other numbers.
 ///
-/// Bindings: triangles, scene, texels, records ([`VertexRecord`] for each item), counters. Parameters:
-/// [`TraceParams`]. Paths whose radiance is NaN or infinite leave a record without light, raise
-/// [`Status::NON_FINITE`] and are counted.
-pub static TRACE_RECORDS: Kernel = Kernel {
-    name: "pt.trace_records",
-    bindings: &[
+/// Bindings: triangles, scene, texels, records (`store` times [`VertexRecord`] for each item, the first vertex first),
+/// counters. Parameters: [`TraceParams`]. Records behind a path's end are zero, so not valid; the further vertices'
+/// have [`VertexRecord::SECONDARY`] set, the product of all albedos from the camera as `throughput`, the path's length
+/// in their footprint and a seed of their own. Paths whose radiance is NaN or infinite leave records without light,
+/// raise [`Status::NON_FINITE`](backend_api::Status::NON_FINITE) and are counted.
+///
+/// A cache that is fed by a picture of another size than the one shown: [`TraceParams::camera`] of
+/// [`CameraRays::with_size`](crate::camera::CameraRays::with_size).
+///
+/// ```
+/// use pt_integrator::kernels::trace_records;
+/// assert_eq!(trace_records(3).unwrap().bindings[3].stride, 3 * 96);
+/// assert!(trace_records(0).is_none());
+/// ```
+pub fn trace_records(store: u32) -> Option<&'static Kernel> {
+    match store {
+        1 => Some(&TRACE_RECORDS),
+        _ => TRACE_MORE.get(store.checked_sub(2)? as usize),
+    }
+}
+
+/// Paths of which `STORE` vertices are kept.
+struct Records<const STORE: usize>;
+
+impl<const STORE: usize> Records<STORE> {
+    const BINDINGS: [BindingDecl; 5] = [
         TRIANGLES,
         SCENE,
         TEXELS,
-        BindingDecl { name: "pt_records", access: Access::OutPerItem, stride: size_of::<VertexRecord>() as u32 },
+        BindingDecl {
+            name: "pt_records",
+            access: Access::OutPerItem,
+            stride: (STORE * size_of::<VertexRecord>()) as u32,
+        },
         COUNTERS,
-    ],
-    params_size: size_of::<TraceParams>() as u32,
-    body: trace_records,
-    wgsl: None,
-    casts_rays: true,
-};
+    ];
+
+    const fn kernel(name: &'static str) -> Kernel {
+        Kernel {
+            name,
+            bindings: &Self::BINDINGS,
+            params_size: size_of::<TraceParams>() as u32,
+            body: Self::run,
+            wgsl: None,
+            casts_rays: true,
+        }
+    }
+
+    fn run(launch: &mut Launch<'_>) {
+        let records = launch.output::<VertexRecord>(3);
+        let params = launch.params::<TraceParams>();
+        let Some(mut tracing) = Tracing::new(launch) else { return };
+        let settings = params.vertex_settings();
+        let angle = params.camera.pixel_angle();
+        for (item, records) in launch.items().zip(records.chunks_exact_mut(STORE)) {
+            let index = params.first_pixel + item;
+            let seed = pixel_seed(index, params.seed);
+            let mut sampler = Sobol::new(params.first_sample, seed);
+            let ray = params.camera.ray(params.pixel(index), sampler.next_2d());
+            let mut vertices = [PathOutcome::NONE; STORE];
+            let Tracing { scene, caster, counts } = &mut tracing;
+            trace_path_vertices(scene, caster, &mut sampler, &ray, &settings, &mut vertices, counts);
+            let seed = vertex_seed(seed, params.first_sample);
+            for (k, (record, vertex)) in (0..).zip(records.iter_mut().zip(&vertices)) {
+                let seed = if k == 0 { seed } else { vertex_seed(seed, k) };
+                // Behind the path's end there is nothing at all, not even a seed.
+                let written = k == 0 || vertex.has_vertex;
+                *record = if written { vertex.record(angle, seed) } else { bytemuck::Zeroable::zeroed() };
+            }
+        }
+        tracing.finish(launch);
+    }
+}
 
 fn trace_film(launch: &mut Launch<'_>) {
     let pixels = launch.output::<FilmPixel>(3);
-    run(launch, pixels, |params, pixel, path| {
-        for sample in 0..params.samples {
-            pixel.add(path(params.first_sample.wrapping_add(sample)).0.radiance());
-        }
-    });
-}
-
-fn trace_records(launch: &mut Launch<'_>) {
-    let records = launch.output::<VertexRecord>(3);
-    run(launch, records, |params, record, path| {
-        let (outcome, seed) = path(params.first_sample);
-        *record = outcome.record(params.camera.pixel_angle(), seed);
-    });
-}
-
-/// Runs `item` for each item's output; the function it is given traces the path of one sample of the item's pixel and
-/// returns the vertex's seed along.
-#[inline]
-fn run<T>(
-    launch: &Launch<'_>,
-    output: &mut [T],
-    mut item: impl FnMut(&TraceParams, &mut T, &mut dyn FnMut(u32) -> (PathOutcome, u32)),
-) {
     let params = launch.params::<TraceParams>();
-    let Some(scene) = SceneView::new(launch.input(0), launch.input(1), launch.input(2)) else {
-        debug_assert!(false, "the scene buffer was not packed by this crate");
-        return;
-    };
-    let caster = LaunchRays(launch.rays());
+    let Some(mut tracing) = Tracing::new(launch) else { return };
     let settings = params.settings();
-    let mut counts = RayCounts::default();
-    for (k, output) in output.iter_mut().enumerate() {
-        let index = params.first_pixel + launch.first + k as u32;
-        let pixel = [index % params.width, index / params.width];
+    for (item, film) in launch.items().zip(pixels) {
+        let index = params.first_pixel + item;
         let seed = pixel_seed(index, params.seed);
-        item(params, output, &mut |sample| {
-            let mut sampler = Sobol::new(sample, seed);
-            let ray = params.camera.ray(pixel, hashcache_core::traits::Sampler::next_2d(&mut sampler));
-            let outcome = trace_path(&scene, &caster, &mut sampler, &ray, &settings, &mut counts);
-            (outcome, vertex_seed(seed, sample))
-        });
+        for sample in 0..params.samples {
+            let mut sampler = Sobol::new(params.first_sample.wrapping_add(sample), seed);
+            let ray = params.camera.ray(params.pixel(index), sampler.next_2d());
+            let Tracing { scene, caster, counts } = &mut tracing;
+            film.add(trace_path(scene, caster, &mut sampler, &ray, &settings, counts).radiance());
+        }
     }
-    for (counter, count) in launch.atomic_u64(4).iter().zip(counts.to_words()) {
-        counter.fetch_add(count, Ordering::Relaxed);
-    }
-    if counts.non_finite > 0 {
-        launch.raise(Status::NON_FINITE);
-    }
+    tracing.finish(launch);
 }

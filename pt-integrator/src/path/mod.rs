@@ -10,5 +10,5 @@ mod trace;
 
 pub use counts::RayCounts;
 pub use outcome::PathOutcome;
-pub use settings::PathSettings;
-pub use trace::{trace_path, trace_path_for};
+pub use settings::{PathSettings, VertexSettings};
+pub use trace::{MAX_STORED, trace_path, trace_path_for, trace_path_vertices};

@@ -4,49 +4,76 @@ use glam::Vec3;
 use hashcache_core::pack::octahedral_encode;
 use hashcache_core::record::VertexRecord;
 
-/// The light of one path, split at its first vertex, and the vertex: a [`VertexRecord`] before it is packed.
+use crate::surface::Surface;
+
+/// One vertex of a path and the light that the path brought to it: a [`VertexRecord`] before it is packed.
 ///
-/// The pixel's radiance is `emitted + throughput·(direct + further)`.
+/// For the first vertex the pixel's radiance is `emitted + throughput·(direct + further)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathOutcome {
     /// Whether the path met a surface that scatters. Without it only `emitted` counts.
     pub has_vertex: bool,
-    /// Position of the first vertex.
+    /// Whether this is not the path's first vertex; its light is part of the first vertex's `further` then, as far as
+    /// path lengths allow, and `emitted` is 0.
+    pub is_secondary: bool,
+    /// Position of the vertex.
     pub position: Vec3,
-    /// Length of the first segment.
+    /// Length of the path from the camera to the vertex.
     pub distance: f32,
     /// Shading normal on the side the path came from.
     pub normal: Vec3,
-    /// Direction of the camera ray.
+    /// Direction of the ray that arrived here.
     pub direction: Vec3,
     /// Illumination by emitters that the vertex sees.
     pub direct: Vec3,
     /// Illumination after a further scattering.
     pub further: Vec3,
-    /// Albedo of the first vertex.
+    /// Product of the albedos from the first vertex to this one, both included, over the probabilities of having
+    /// survived roulette.
     pub throughput: Vec3,
     /// Light that reaches the camera straight from an emitter.
     pub emitted: Vec3,
 }
 
 impl PathOutcome {
+    /// No vertex and no light: what stands behind a path's end.
+    pub const NONE: Self = Self {
+        has_vertex: false,
+        is_secondary: false,
+        position: Vec3::ZERO,
+        distance: 0.0,
+        normal: Vec3::ZERO,
+        direction: Vec3::ZERO,
+        direct: Vec3::ZERO,
+        further: Vec3::ZERO,
+        throughput: Vec3::ZERO,
+        emitted: Vec3::ZERO,
+    };
+
     /// A path that met nothing and saw `emitted`.
     #[inline]
     pub(crate) fn seen(direction: Vec3, emitted: Vec3) -> Self {
-        Self {
-            has_vertex: false,
-            position: Vec3::ZERO,
-            distance: 0.0,
-            normal: Vec3::ZERO,
-            direction,
-            direct: Vec3::ZERO,
-            further: Vec3::ZERO,
-            throughput: Vec3::ZERO,
-            emitted,
-        }
+        Self { direction, emitted, ..Self::NONE }
     }
 
-    /// The pixel's radiance.
+    /// Becomes a vertex on this surface.
+    #[inline]
+    pub(crate) fn arrive(&mut self, surface: &Surface<'_>, distance: f32, throughput: Vec3) {
+        self.has_vertex = true;
+        self.position = surface.position;
+        self.distance = distance;
+        self.normal = surface.normal;
+        self.throughput = throughput;
+    }
+
+    /// Light from an emitter that the vertex sees itself (`own`), or from further on.
+    #[inline]
+    pub(crate) fn receive(&mut self, own: bool, illumination: Vec3) {
+        let light = if own { &mut self.direct } else { &mut self.further };
+        *light += illumination;
+    }
+
+    /// The pixel's radiance, if this is the path's first vertex.
     #[inline]
     pub fn radiance(&self) -> Vec3 {
         self.emitted + self.throughput * (self.direct + self.further)
@@ -66,9 +93,11 @@ impl PathOutcome {
         Self { direct: Vec3::ZERO, further: Vec3::ZERO, emitted: Vec3::ZERO, ..self }
     }
 
-    /// The record of the first vertex; `pixel_angle` in radians, `seed` as of [`crate::sampler::vertex_seed`].
+    /// The vertex's record; `pixel_angle` in radians, `seed` as of [`crate::sampler::vertex_seed`].
     #[inline]
     pub fn record(&self, pixel_angle: f32, seed: u32) -> VertexRecord {
+        let valid = if self.has_vertex { VertexRecord::VALID } else { 0 };
+        let secondary = if self.is_secondary { VertexRecord::SECONDARY } else { 0 };
         VertexRecord {
             position_footprint: self.position.extend(self.distance * pixel_angle).to_array(),
             direct: self.direct.extend(0.0).to_array(),
@@ -78,7 +107,7 @@ impl PathOutcome {
             normal: octahedral_encode(self.normal),
             direction: octahedral_encode(self.direction),
             seed,
-            flags: if self.has_vertex { VertexRecord::VALID } else { 0 },
+            flags: valid | secondary,
         }
     }
 }

@@ -23,3 +23,32 @@ impl Default for PathSettings {
         Self { max_bounces: 8, roulette_depth: Self::NO_ROULETTE }
     }
 }
+
+/// Limits of a path whose first vertices are kept, each with the light that arrives at it.
+///
+/// # Deviation
+/// Roulette goes by the throughput behind the last vertex that is kept, not from the camera: a dark surface's
+/// illumination is as bright as a white one's, and a cache shares it with white ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VertexSettings {
+    /// Limits as for whole paths. `max_bounces` counts from each kept vertex on, its own scattering included, so that
+    /// all hold the same: with s vertices kept a path scatters up to s − 1 times more often. 0: no vertex.
+    pub path: PathSettings,
+    /// Further scatterings at most through which light comes to a kept vertex, ℓ_len; no more than `max_bounces − 1`
+    /// in any case.
+    pub length: u32,
+}
+
+impl VertexSettings {
+    /// Each vertex holds all the light that `path` lets a pixel's first vertex hold.
+    pub const fn new(path: PathSettings) -> Self {
+        Self { path, length: u32::MAX }
+    }
+
+    /// Scatterings behind a kept vertex.
+    #[inline]
+    pub(crate) const fn further(&self) -> u32 {
+        let most = self.path.max_bounces.saturating_sub(1);
+        if self.length < most { self.length } else { most }
+    }
+}

@@ -1,18 +1,38 @@
 //! The loop.
 
+use core::array;
 use core::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use hashcache_core::geometry::Ray;
 use hashcache_core::traits::{RayCaster, Sampler};
 
-use super::{PathOutcome, PathSettings, RayCounts};
+use super::{PathOutcome, PathSettings, RayCounts, VertexSettings};
 use crate::light::{sample_light, triangle_density};
 use crate::ray::{offset_origin, ray_towards, segment};
 use crate::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine};
 use crate::scene::Needs;
 use crate::surface::Surface;
 use crate::view::SceneView;
+
+/// The instance of `$function::<NEEDS, …>` for a scene's needs.
+macro_rules! for_needs {
+    ($scene:expr, $function:ident, $($generics:ty),+) => {{
+        const T: u32 = Needs::TEXTURES;
+        const L: u32 = Needs::TRIANGLE_LIGHTS;
+        const E: u32 = Needs::ENVIRONMENT_IMAGE;
+        match $scene.needs().bits() {
+            0 => $function::<0, $($generics),+>,
+            T => $function::<T, $($generics),+>,
+            L => $function::<L, $($generics),+>,
+            E => $function::<E, $($generics),+>,
+            x if x == T | L => $function::<{ T | L }, $($generics),+>,
+            x if x == T | E => $function::<{ T | E }, $($generics),+>,
+            x if x == L | E => $function::<{ L | E }, $($generics),+>,
+            _ => $function::<{ T | L | E }, $($generics),+>,
+        }
+    }};
+}
 
 /// Traces one path from a camera ray of unit direction and returns its light, split at the first vertex.
 ///
@@ -28,19 +48,7 @@ pub fn trace_path<C: RayCaster, S: Sampler>(
     settings: &PathSettings,
     counts: &mut RayCounts,
 ) -> PathOutcome {
-    const T: u32 = Needs::TEXTURES;
-    const L: u32 = Needs::TRIANGLE_LIGHTS;
-    const E: u32 = Needs::ENVIRONMENT_IMAGE;
-    let trace = match scene.needs().bits() {
-        0 => trace_path_for::<0, C, S>,
-        T => trace_path_for::<T, C, S>,
-        L => trace_path_for::<L, C, S>,
-        E => trace_path_for::<E, C, S>,
-        x if x == T | L => trace_path_for::<{ T | L }, C, S>,
-        x if x == T | E => trace_path_for::<{ T | E }, C, S>,
-        x if x == L | E => trace_path_for::<{ L | E }, C, S>,
-        _ => trace_path_for::<{ T | L | E }, C, S>,
-    };
+    let trace = for_needs!(scene, trace_path_for, C, S);
     trace(scene, caster, sampler, ray, settings, counts)
 }
 
@@ -56,72 +64,174 @@ pub fn trace_path_for<const NEEDS: u32, C: RayCaster, S: Sampler>(
     settings: &PathSettings,
     counts: &mut RayCounts,
 ) -> PathOutcome {
+    let settings = VertexSettings::new(*settings);
+    let mut outcome = PathOutcome::NONE;
+    let mut path = Path::<NEEDS, C, S> { scene, caster, sampler, settings: &settings, counts };
+    path.trace::<true>(ray, array::from_mut(&mut outcome), Roulette::ByPixel);
+    finish(array::from_mut(&mut outcome), counts);
+    outcome
+}
+
+/// Most vertices of a path that are kept.
+pub const MAX_STORED: usize = 8;
+
+/// Traces one path from a camera ray of unit direction and keeps its first `vertices.len()` vertices, at most
+/// [`MAX_STORED`], each with the light that the rest of the path brought to it. Entries behind the path's end become
+/// [`PathOutcome::NONE`]; the first holds `emitted` in any case.
+///
+/// Light at x_j comes to x_i, i < j, through the scatterings at i + 1 … j: next-event light enters x_i's own
+/// illumination without any albedo, that of x_j with the albedos of i + 1 … j.
+///
+/// Without roulette and with one vertex this is [`trace_path`], bit for bit. Light that is NaN or infinite is dropped
+/// with the whole path and counted. Adds to `counts`.
+///
+/// # Source
+/// Roth et al. 2020, eq. 1. # Deviation: there, next-event light is scattered at x_j once too often.
+///
+/// # Panics
+/// As [`trace_path`].
+pub fn trace_path_vertices<C: RayCaster, S: Sampler>(
+    scene: &SceneView<'_>,
+    caster: &C,
+    sampler: &mut S,
+    ray: &Ray,
+    settings: &VertexSettings,
+    vertices: &mut [PathOutcome],
+    counts: &mut RayCounts,
+) {
+    let trace = for_needs!(scene, vertices_for, C, S);
+    trace(scene, caster, sampler, ray, settings, vertices, counts);
+}
+
+fn vertices_for<const NEEDS: u32, C: RayCaster, S: Sampler>(
+    scene: &SceneView<'_>,
+    caster: &C,
+    sampler: &mut S,
+    ray: &Ray,
+    settings: &VertexSettings,
+    vertices: &mut [PathOutcome],
+    counts: &mut RayCounts,
+) {
+    vertices.fill(PathOutcome::NONE);
+    let stored = vertices.len().min(MAX_STORED);
+    let vertices = &mut vertices[..stored];
     let mut path = Path::<NEEDS, C, S> { scene, caster, sampler, settings, counts };
-    let outcome = path.trace(ray);
-    path.counts.paths += 1;
-    if outcome.is_finite() {
-        return outcome;
+    match vertices.len() {
+        0 => {}
+        1 => path.trace::<true>(ray, vertices, Roulette::ByVertex),
+        _ => path.trace::<false>(ray, vertices, Roulette::ByVertex),
     }
-    path.counts.non_finite += 1;
-    outcome.without_light()
+    finish(vertices, counts);
+}
+
+/// Counts the path, and drops light that is no number.
+#[inline]
+fn finish(vertices: &mut [PathOutcome], counts: &mut RayCounts) {
+    counts.paths += 1;
+    if vertices.iter().all(PathOutcome::is_finite) {
+        return;
+    }
+    counts.non_finite += 1;
+    for vertex in vertices {
+        *vertex = vertex.without_light();
+    }
+}
+
+/// Which throughput decides whether a path goes on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Roulette {
+    /// From the camera: each path is one pixel's.
+    ByPixel,
+    /// Behind the last kept vertex.
+    ByVertex,
 }
 
 struct Path<'a, 'b, const NEEDS: u32, C, S> {
     scene: &'a SceneView<'b>,
     caster: &'a C,
     sampler: &'a mut S,
-    settings: &'a PathSettings,
+    settings: &'a VertexSettings,
     counts: &'a mut RayCounts,
 }
 
 /// Where a path's ray ended: the light seen there, weighted against next-event estimation, and the surface.
 struct Arrival<'b> {
     emitted: Vec3,
-    surface: Option<Surface<'b>>,
+    next: Option<Next<'b>>,
+}
+
+/// A further vertex.
+struct Next<'b> {
+    surface: Surface<'b>,
+    distance: f32,
+    direction: Vec3,
 }
 
 impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
-    #[inline]
-    fn trace(&mut self, ray: &Ray) -> PathOutcome {
+    /// `ONE`: only one vertex is kept.
+    // Two copies, so that a single vertex lives in registers.
+    #[inline(always)]
+    fn trace<const ONE: bool>(&mut self, ray: &Ray, vertices: &mut [PathOutcome], roulette: Roulette) {
         self.counts.closest += 1;
         let Some(hit) = self.caster.closest(ray) else {
-            return PathOutcome::seen(ray.direction, self.scene.outside::<NEEDS>(ray.direction).radiance);
+            vertices[0] = PathOutcome::seen(ray.direction, self.scene.outside::<NEEDS>(ray.direction).radiance);
+            return;
         };
         let mut surface = Surface::at(self.scene, &hit, ray.direction);
-        let mut outcome = PathOutcome::seen(ray.direction, surface.emission());
-        if self.settings.max_bounces == 0 {
-            return outcome;
+        vertices[0] = PathOutcome::seen(ray.direction, surface.emission());
+        let path = self.settings.path;
+        if path.max_bounces == 0 {
+            return;
         }
-        outcome.has_vertex = true;
-        outcome.position = surface.position;
-        outcome.distance = hit.t;
-        outcome.normal = surface.normal;
-        outcome.throughput = surface.albedo::<NEEDS>(self.scene);
+        let store = if ONE { 1 } else { vertices.len() };
+        let length = self.settings.further() as usize;
+        let throughput = surface.albedo::<NEEDS>(self.scene);
+        let mut distance = hit.t;
+        vertices[0].arrive(&surface, distance, throughput);
 
-        // Product of the albedos behind the first vertex, over the survival probabilities.
-        let mut weight = Vec3::ONE;
-        let mut depth = 1;
+        // For each kept vertex, the product of the albedos behind it over the survival probabilities.
+        let mut weights = [Vec3::ONE; MAX_STORED];
+        let mut depth: usize = 1;
         loop {
+            // The kept vertices that light found here may still reach; the last of them has the largest weight.
+            let reached = if ONE { 0..1 } else { depth.saturating_sub(length.saturating_add(1))..depth.min(store) };
+            let last_kept = reached.end - 1;
             let met = self.next_event(&surface);
-            let light = if depth == 1 { &mut outcome.direct } else { &mut outcome.further };
-            *light += weight * met;
-            if depth >= self.settings.roulette_depth {
-                let throughput = (outcome.throughput * weight).max_element();
-                let survival = throughput.min(PathSettings::LARGEST_SURVIVAL);
-                if self.sampler.next_1d() >= survival {
-                    return outcome;
-                }
-                weight /= survival;
+            for k in reached.clone() {
+                vertices[k].receive(depth == k + 1, weights[k] * met);
             }
-            let last = depth == self.settings.max_bounces;
+            if depth >= path.roulette_depth as usize {
+                let weight = weights[last_kept];
+                let throughput = match roulette {
+                    Roulette::ByPixel => throughput * weight,
+                    Roulette::ByVertex => weight,
+                };
+                let survival = throughput.max_element().min(PathSettings::LARGEST_SURVIVAL);
+                if self.sampler.next_1d() >= survival {
+                    return;
+                }
+                for weight in &mut weights[..=last_kept] {
+                    *weight /= survival;
+                }
+            }
+            let last = depth == store.saturating_add(length);
             let arrival = self.scatter(&surface, last);
-            let light = if depth == 1 { &mut outcome.direct } else { &mut outcome.further };
-            *light += weight * arrival.emitted;
-            let Some(next) = arrival.surface else { return outcome };
-            surface = next;
-            weight *= surface.albedo::<NEEDS>(self.scene);
-            if weight.max_element() <= 0.0 {
-                return outcome;
+            for k in reached {
+                vertices[k].receive(depth == k + 1, weights[k] * arrival.emitted);
+            }
+            let Some(next) = arrival.next else { return };
+            surface = next.surface;
+            let albedo = surface.albedo::<NEEDS>(self.scene);
+            for weight in &mut weights[..=last_kept] {
+                *weight *= albedo;
+            }
+            if !ONE && depth < store {
+                distance += next.distance;
+                vertices[depth] = PathOutcome::seen(next.direction, Vec3::ZERO);
+                vertices[depth].is_secondary = true;
+                vertices[depth].arrive(&surface, distance, throughput * weights[0]);
+            } else if weights[last_kept].max_element() <= 0.0 {
+                return;
             }
             depth += 1;
         }
@@ -165,10 +275,10 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
         self.counts.closest += 1;
         let Some(hit) = self.caster.closest(&ray) else {
             let seen = self.scene.outside::<NEEDS>(direction);
-            return Arrival { emitted: seen.radiance * power_heuristic(pdf, seen.pdf), surface: None };
+            return Arrival { emitted: seen.radiance * power_heuristic(pdf, seen.pdf), next: None };
         };
         if last && NEEDS & Needs::TRIANGLE_LIGHTS == 0 {
-            return Arrival { emitted: Vec3::ZERO, surface: None };
+            return Arrival { emitted: Vec3::ZERO, next: None };
         }
         let next = Surface::at(self.scene, &hit, direction);
         let mut emitted = Vec3::ZERO;
@@ -182,6 +292,6 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
                 emitted *= power_heuristic(pdf, other);
             }
         }
-        Arrival { emitted, surface: (!last).then_some(next) }
+        Arrival { emitted, next: (!last).then_some(Next { surface: next, distance: hit.t, direction }) }
     }
 }
