@@ -1,4 +1,4 @@
-//! How far an image is from a reference: relMSE, MSE, PSNR, MS-SSIM, the energy ratio, and a test for bias.
+//! How far an image is from a reference: relMSE, MSE, PSNR, MS-SSIM, FLIP, the energy ratio, and a test for bias.
 //!
 //! ```
 //! use image_metrics::{ImageView, psnr, rel_mse};
@@ -18,21 +18,24 @@
 //! - An [`ImageView`] borrows pixels: linear light, Rec. 709 primaries, `[f32; 3]` a pixel, row by row from the upper left.
 //!   It cannot be made from pixels that are NaN or infinite: they are counted and are an error. What comes after never meets one.
 //! - [`rel_mse`], [`rel_mse_trimmed`], [`mse`] and [`energy_ratio`] see linear light, unclipped.
-//!   [`psnr`] and [`ms_ssim`] see what a screen shows: clipped to `[0, 1]` and sRGB-encoded by [`srgb_encode`].
+//!   [`psnr`], [`ms_ssim`] and [`flip`] see what a screen shows: clipped to `[0, 1]` and sRGB-encoded by [`srgb_encode`]
+//!   (FLIP undoes the encoding first, so it takes the clipped light as it is).
 //! - An error of an image says nothing about its cause, noise or bias. [`block_test`] tells them apart: it compares several
 //!   independent runs with a reference of known variance, block by block, and its false alarms have a known probability.
 //!
 //! # Memory
 //! Two images in, numbers out. Meanwhile [`rel_mse_trimmed`] holds 8 bytes a pixel, [`ms_ssim`] 20 bytes a pixel and
-//! 440 bytes a column, [`block_test`] 288 bytes a block of 256 pixels: for 1024×576 4.5, 11.7 and 0.6 MiB.
+//! 440 bytes a column, [`flip`] 4 bytes a pixel and 2.6 kB a column, [`block_test`] 288 bytes a block of 256 pixels:
+//! for 1024×576 4.5, 11.7, 4.8 and 0.6 MiB.
 //!
 //! # Determinism
 //! Sums are `f64`, in a fixed order, on one thread: the same images give the same bits.
 //!
 //! # Limits today
-//! RGB only, no alpha. No FLIP yet.
+//! RGB only, no alpha. FLIP at one viewing distance, no HDR-FLIP.
 //!
 //! # Source
+//! [`flip`]: Andersson et al. 2020.
 //! [`ms_ssim`]: Wang et al. 2003.
 //! [`rel_mse`]: Rousselle et al. 2011.
 
@@ -40,6 +43,7 @@ mod absolute;
 mod block_test;
 mod energy;
 mod error;
+mod flip;
 mod image;
 mod relative;
 mod srgb;
@@ -49,6 +53,7 @@ pub use absolute::{mse, psnr};
 pub use block_test::{BEYOND, BLOCK, BlockScore, BlockTest, Margin, block_test};
 pub use energy::{EnergyRatio, energy_ratio};
 pub use error::Error;
+pub use flip::{FLIP_PIXELS_PER_DEGREE, flip, flip_map};
 pub use image::ImageView;
 pub use relative::{REL_MSE_EPSILON, WORST_SHARE, rel_mse, rel_mse_trimmed};
 pub use srgb::srgb_encode;

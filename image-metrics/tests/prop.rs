@@ -2,7 +2,9 @@
 
 #![expect(clippy::float_cmp, reason = "equal inputs give equal bits")]
 
-use image_metrics::{ImageView, energy_ratio, ms_ssim, mse, psnr, rel_mse, rel_mse_trimmed, srgb_encode};
+use image_metrics::{
+    ImageView, energy_ratio, flip, flip_map, ms_ssim, mse, psnr, rel_mse, rel_mse_trimmed, srgb_encode,
+};
 use proptest::prelude::*;
 
 /// Radiance from far below to far above what a renderer makes, of either sign, zero included.
@@ -39,6 +41,7 @@ proptest! {
         prop_assert!(e.is_finite() && e >= 0.0);
         prop_assert!(psnr(a, b).unwrap() >= 0.0);
         prop_assert!(!energy_ratio(a, b).unwrap().whole.is_nan());
+        prop_assert!(flip_map(a, b).unwrap().iter().all(|e| (0.0..=1.0).contains(e)));
     }
 
     #[test]
@@ -48,16 +51,18 @@ proptest! {
         prop_assert_eq!(rel_mse_trimmed(a, a).unwrap(), 0.0);
         prop_assert_eq!(mse(a, a).unwrap(), 0.0);
         prop_assert_eq!(psnr(a, a).unwrap(), f64::INFINITY);
+        prop_assert_eq!(flip(a, a).unwrap(), 0.0);
         let energy = energy_ratio(a, a).unwrap();
         prop_assert_eq!((energy.whole, energy.channels), (1.0, [1.0; 3]));
     }
 
-    /// MSE and PSNR do not care which image is the reference; energy turns round; relMSE does care.
+    /// MSE, PSNR and FLIP do not care which image is the reference; energy turns round; relMSE does care.
     #[test]
     fn symmetry((w, a, b) in images()) {
         let (a, b) = (view(w, &a), view(w, &b));
         prop_assert_eq!(mse(a, b).unwrap(), mse(b, a).unwrap());
         prop_assert_eq!(psnr(a, b).unwrap(), psnr(b, a).unwrap());
+        prop_assert_eq!(flip_map(a, b).unwrap(), flip_map(b, a).unwrap());
         let (ab, ba) = (energy_ratio(a, b).unwrap().whole, energy_ratio(b, a).unwrap().whole);
         prop_assert!((ab * ba - 1.0).abs() < 1e-12 || ab == 0.0 || ba == 0.0);
     }
@@ -78,6 +83,23 @@ proptest! {
         let (scaled, plain) = (rel_mse(sa, sb).unwrap(), rel_mse(a, b).unwrap());
         let ordered = if e >= 0 { scaled >= plain } else { scaled <= plain };
         prop_assert!(ordered, "{} at {} times {}", scaled, s, plain);
+    }
+
+    /// A turned picture has the turned map: rows and columns are filtered alike. A screen shows no more than white.
+    #[test]
+    fn flip_turns_with_the_picture((w, a, b) in images()) {
+        let turn = |image: &[[f32; 3]]| -> Vec<[f32; 3]> {
+            let h = image.len() / w;
+            (0..image.len()).map(|i| image[i % h * w + i / h]).collect()
+        };
+        let (ta, tb) = (turn(&a), turn(&b));
+        let h = a.len() / w;
+        let (map, turned) = (flip_map(view(w, &a), view(w, &b)).unwrap(), flip_map(view(h, &ta), view(h, &tb)).unwrap());
+        for (i, e) in turned.iter().enumerate() {
+            prop_assert!((e - map[i % h * w + i / h]).abs() < 1e-5);
+        }
+        let clip: Vec<_> = a.iter().map(|p| p.map(|c| c.clamp(0.0, 1.0))).collect();
+        prop_assert_eq!(flip(view(w, &a), view(w, &clip)).unwrap(), 0.0);
     }
 
     /// The order of pixels does not matter beyond rounding.
@@ -101,7 +123,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
 
-    /// MS-SSIM is 1 for equal images, symmetric, inside [0, 1], and falls as noise grows.
+    /// MS-SSIM is 1 for equal images, symmetric, inside [0, 1], and falls as noise grows; FLIP rises.
     #[test]
     fn structure(seed in 1_usize..1000, w in 176_usize..200, h in 176_usize..200) {
         let noise = |i: usize| (((i * 2_654_435_761 * (2 * seed + 1)) >> 9) % 1024) as f32 / 1024.0;
@@ -114,6 +136,8 @@ proptest! {
         let (s, m) = (ms_ssim(some, clean).unwrap(), ms_ssim(much, clean).unwrap());
         prop_assert!((s - ms_ssim(clean, some).unwrap()).abs() < 1e-12);
         prop_assert!(0.0 < m && m < s && s < 1.0, "{m} {s}");
+        let (s, m) = (flip(some, clean).unwrap(), flip(much, clean).unwrap());
+        prop_assert!(0.0 < s && s < m && m < 1.0, "{s} {m}");
     }
 }
 
