@@ -69,6 +69,9 @@ counters! {
     /// Energy that rounded to 0, in quantum·2^−[`crate::exact::UNDERFLOW_BITS`]; not part of the recorded energy,
     /// which counts whole quanta.
     energy_underflowed, ENERGY_UNDERFLOWED = 16;
+    /// Deposits and lookups that got a cell of a coarser level than the one they asked for, because that one has no cell
+    /// there or too few samples.
+    coarser, COARSER = 17;
 }
 
 impl Counters {

@@ -45,7 +45,7 @@
 //! |---|---|
 //! | [`record::VertexRecord`] | 96 |
 //! | `stages::EstimateRecord` | 32 |
-//! | [`counters::Counters`] | 136 |
+//! | [`counters::Counters`] | 144 |
 //! | [`geometry::Instance`] | 64 |
 //! | an exact sum | 8 |
 //!
@@ -81,6 +81,7 @@ pub mod exact;
 pub mod float;
 pub mod geometry;
 pub mod hash;
+pub mod jitter;
 pub mod level;
 pub mod pack;
 pub mod record;

@@ -13,6 +13,9 @@
 /// Twins of [`crate::hash`].
 pub const HASH: &str = include_str!("../wgsl/hash.wgsl");
 
+/// Twins of [`crate::jitter`].
+pub const JITTER: &str = include_str!("../wgsl/jitter.wgsl");
+
 /// Twins of [`crate::pack`].
 pub const PACK: &str = include_str!("../wgsl/pack.wgsl");
 
@@ -30,4 +33,4 @@ pub const COUNTERS: &str = include_str!("../wgsl/counters.wgsl");
 pub const RECORD: &str = include_str!("../wgsl/record.wgsl");
 
 /// All of them.
-pub const ALL: [&str; 6] = [HASH, PACK, LEVEL, EXACT, COUNTERS, RECORD];
+pub const ALL: [&str; 7] = [HASH, JITTER, PACK, LEVEL, EXACT, COUNTERS, RECORD];

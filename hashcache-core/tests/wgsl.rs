@@ -14,7 +14,7 @@ fn validate(name: &str, source: &str) -> naga::Module {
 
 #[test]
 fn every_module_stands_alone() {
-    let names = ["hash", "pack", "level", "exact", "counters", "record"];
+    let names = ["hash", "jitter", "pack", "level", "exact", "counters", "record"];
     for (name, source) in names.iter().zip(wgsl::ALL) {
         validate(name, source);
     }

@@ -17,4 +17,5 @@ const HC_ENERGY_STORED: u32 = 13u;
 const HC_ENERGY_REFUSED: u32 = 14u;
 const HC_ENERGY_CLAMPED: u32 = 15u;
 const HC_ENERGY_UNDERFLOWED: u32 = 16u;
-const HC_WORDS: u32 = 17u;
+const HC_COARSER: u32 = 17u;
+const HC_WORDS: u32 = 18u;

@@ -1,56 +1,13 @@
-//! Jitter in integers: where a vertex is looked for, in its tangent plane, and which way its normal leans.
+//! Jitter in integers: where a vertex is looked for, in its tangent plane (the core's functions), and which way its
+//! normal leans.
 
-use crate::key::max_component;
+pub use hashcache_core::jitter::{draw, max_component, tangent_offset, turn, turn_back};
 
 /// Salt of the draws of a deposit (and of its claim).
 pub const SALT_DEPOSIT: u32 = 0x9e37_79b9;
 
 /// Salt of the draws of a lookup: another one, so that a vertex does not meet its own deposit more often than others.
 pub const SALT_LOOKUP: u32 = 0x7f4a_7c15;
-
-/// A whole number in `-range..range` from 16 random bits, uniform up to 2⁻¹⁶. `range` is at most 32768.
-#[inline]
-pub const fn draw(bits: u32, range: u32) -> i32 {
-    (((bits & 0xffff) * (2 * range)) >> 16) as i32 - range as i32
-}
-
-/// `v` turned so that component `axis` comes first and the others follow in cyclic order.
-#[inline]
-#[must_use]
-pub const fn turn(v: [i32; 3], axis: u32) -> [i32; 3] {
-    match axis {
-        0 => v,
-        1 => [v[1], v[2], v[0]],
-        _ => [v[2], v[0], v[1]],
-    }
-}
-
-/// Undoes [`turn`].
-#[inline]
-#[must_use]
-pub const fn turn_back(v: [i32; 3], axis: u32) -> [i32; 3] {
-    turn(v, (3 - axis) % 3)
-}
-
-/// The offset in the plane with normal `n` whose components along the other two axes than the normal's largest are `u`
-/// and `v`. For uniform `u` and `v` it is uniform in the plane.
-///
-/// # Units
-/// `u`, `v` and the result in 256ths of a cell; `n` of any length, as from `octahedral_decode_int`.
-///
-/// # Source
-/// Binder et al. 2021, algorithm 1, `jitter(n)`.
-///
-/// # Deviation
-/// The paper leaves the kernel open. Here it is a square seen along the normal's largest axis, so its edge in the plane
-/// is up to √2 longer on slanted surfaces; that keeps it in integers, and its density uniform.
-#[inline]
-#[must_use]
-pub const fn tangent_offset(n: [i32; 3], u: i32, v: i32) -> [i32; 3] {
-    let axis = max_component(n);
-    let [a, b, c] = turn(n, axis);
-    turn_back([-(b * u + c * v) / a, u, v], axis)
-}
 
 /// The bin of the normal `n` after its components along the other two axes than its largest were moved by `u` and `v`.
 ///

@@ -20,7 +20,7 @@ use crate::params::Params;
 use crate::table::{CELL_WORDS, Table};
 use crate::vertex::{add_counters, claim_vertices, deposit_vertices, estimate_vertices};
 
-/// Twins of [`crate::key`] and [`crate::jitter`]; needs the core's hash, level, pack and record.
+/// Twins of [`crate::key`] and [`crate::jitter`]; needs the core's hash, jitter, level, pack and record.
 pub const WGSL_KEY: &str = include_str!("../wgsl/key.wgsl");
 
 /// Twins of [`crate::tag`].
@@ -50,6 +50,7 @@ macro_rules! modules {
     ($entry:literal) => {
         &[
             hc::HASH,
+            hc::JITTER,
             hc::PACK,
             hc::LEVEL,
             hc::EXACT,

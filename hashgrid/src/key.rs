@@ -157,19 +157,6 @@ pub const fn origin_shift(level: u32) -> i32 {
     0x2aaa_aaaa >> (if level < 8 { level & 1 } else { level - 8 })
 }
 
-/// Index of the component with the largest magnitude; the first among equals.
-#[inline]
-pub const fn max_component(v: [i32; 3]) -> u32 {
-    let [x, y, z] = [v[0].abs(), v[1].abs(), v[2].abs()];
-    if x >= y && x >= z {
-        0
-    } else if y >= z {
-        1
-    } else {
-        2
-    }
-}
-
 /// The hash whose low bits are the slot a key begins at.
 #[inline]
 pub const fn home(key: &Key) -> u32 {

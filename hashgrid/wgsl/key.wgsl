@@ -1,4 +1,5 @@
-// From a path vertex to its key, in integers. Twins: hashgrid::params, jitter, key. Needs hc: hash, level, pack, record.
+// From a path vertex to its key, in integers. Twins: hashgrid::params, jitter, key. Needs hc: hash, jitter, level, pack,
+// record.
 
 const HG_CELL_BITS: u32 = 8u;
 const HG_SALT_DEPOSIT: u32 = 0x9e3779b9u;
@@ -32,46 +33,17 @@ fn hg_footprint_in_cells(params: HgParams, footprint: u32) -> f32 {
     return bitcast<f32>(usable & 0xfffff000u) * bitcast<f32>(params.cells_per_footprint);
 }
 
-fn hg_draw(bits: u32, range: u32) -> i32 {
-    return i32(((bits & 0xffffu) * (2u * range)) >> 16u) - i32(range);
-}
-
-fn hg_turn(v: vec3<i32>, axis: u32) -> vec3<i32> {
-    if axis == 0u {
-        return v;
-    }
-    return select(v.zxy, v.yzx, axis == 1u);
-}
-
-fn hg_turn_back(v: vec3<i32>, axis: u32) -> vec3<i32> {
-    return hg_turn(v, (3u - axis) % 3u);
-}
-
-fn hg_max_component(v: vec3<i32>) -> u32 {
-    let m = abs(v);
-    if m.x >= m.y && m.x >= m.z {
-        return 0u;
-    }
-    return select(2u, 1u, m.y >= m.z);
-}
-
-fn hg_tangent_offset(n: vec3<i32>, u: i32, v: i32) -> vec3<i32> {
-    let axis = hg_max_component(n);
-    let t = hg_turn(n, axis);
-    return hg_turn_back(vec3<i32>(-(t.y * u + t.z * v) / t.x, u, v), axis);
-}
-
 fn hg_face_bin(m: i32, t: i32, bins: u32) -> u32 {
     return min((u32(t + m) * bins) / (2u * u32(m)), bins - 1u);
 }
 
 fn hg_normal_bin(n: vec3<i32>, u: i32, v: i32, bins: u32) -> u32 {
-    let axis = hg_max_component(n);
-    let t = hg_turn(n, axis);
+    let axis = hc_max_component(n);
+    let t = hc_turn(n, axis);
     let m = abs(t.x);
     let moved = vec3<i32>(t.x, t.y + ((m * u) >> 15u), t.z + ((m * v) >> 15u));
-    let beyond = hg_max_component(moved);
-    let b = hg_turn(moved, beyond);
+    let beyond = hc_max_component(moved);
+    let b = hc_turn(moved, beyond);
     let face = ((axis + beyond) % 3u) * 2u + select(0u, 1u, b.x < 0);
     return (face * bins + hg_face_bin(abs(b.x), b.y, bins)) * bins + hg_face_bin(abs(b.x), b.z, bins);
 }
@@ -140,11 +112,11 @@ fn hg_key(params: HgParams, vertex: HcVertexRecord, salt: u32) -> HgKey {
 
     let random = hc_pcg3d(vec3<u32>(vertex.seed, params.seed, salt));
     let normal = hc_octahedral_decode_int(vertex.normal);
-    let u = hg_draw(random.x >> 16u, params.jitter);
-    let v = hg_draw(random.y >> 16u, params.jitter);
-    let offset = hg_tangent_offset(normal, u, v);
-    let lean_u = hg_draw(random.z >> 16u, params.normal_jitter);
-    let lean_v = hg_draw(random.x, params.normal_jitter);
+    let u = hc_draw(random.x >> 16u, params.jitter);
+    let v = hc_draw(random.y >> 16u, params.jitter);
+    let offset = hc_tangent_offset(normal, u, v);
+    let lean_u = hc_draw(random.z >> 16u, params.normal_jitter);
+    let lean_v = hc_draw(random.x, params.normal_jitter);
     let bin = hg_normal_bin(normal, lean_u, lean_v, params.normal_bins);
 
     let change = hg_path_change(offset, hc_octahedral_decode_int(vertex.direction));

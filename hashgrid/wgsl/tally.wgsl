@@ -1,7 +1,7 @@
 // Counters of a workgroup, which then become one addition to the shared ones. Twins: Counters::note, add_counters.
 
 // Two words for each of hashcache_core's counters.
-const HG_TALLY_WORDS: u32 = 34u;
+const HG_TALLY_WORDS: u32 = 36u;
 
 var<workgroup> hg_tally: array<atomic<u32>, HG_TALLY_WORDS>;
 

@@ -1,6 +1,8 @@
 use hashcache_core::pack::octahedral_decode_int;
-use hashgrid::jitter::{SALT_DEPOSIT, SALT_LOOKUP, draw, normal_bin, path_change, tangent_offset, turn, turn_back};
-use hashgrid::key::{key, max_component};
+use hashgrid::jitter::{
+    SALT_DEPOSIT, SALT_LOOKUP, draw, max_component, normal_bin, path_change, tangent_offset, turn, turn_back,
+};
+use hashgrid::key::key;
 
 use super::*;
 

@@ -2,7 +2,7 @@
 
 use hashcache_core::exact::Quantum;
 use hashcache_core::record::VertexRecord;
-use hashcache_core::wgsl::{HASH, LEVEL, PACK, RECORD};
+use hashcache_core::wgsl::{HASH, JITTER, LEVEL, PACK, RECORD};
 use hashcache_dev_tests::gpu;
 use hashcache_dev_tests::harness::{Item, call, expect, inputs};
 use hashgrid::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
@@ -76,7 +76,7 @@ fn keys_are_equal_for_any_bits() {
                  put(4u, hg_home(key)); put(5u, hg_fingerprint(key));",
                 params_wgsl(&params)
             );
-            let found = call(&mut backend, label, &[HASH, PACK, LEVEL, RECORD, WGSL_KEY], &body, &items);
+            let found = call(&mut backend, label, &[HASH, JITTER, PACK, LEVEL, RECORD, WGSL_KEY], &body, &items);
             let expected = expect(&items, |item| match key(&params, &vertex(item), salt) {
                 None => [0, 0, 0, u32::MAX, 0, 0],
                 Some(key) => {

@@ -64,6 +64,7 @@ fn twins() -> BTreeMap<&'static str, f64> {
         ("HC_ENERGY_REFUSED", Counters::ENERGY_REFUSED),
         ("HC_ENERGY_CLAMPED", Counters::ENERGY_CLAMPED),
         ("HC_ENERGY_UNDERFLOWED", Counters::ENERGY_UNDERFLOWED),
+        ("HC_COARSER", Counters::COARSER),
         ("HC_WORDS", Counters::WORDS),
         // Words of 32 bits there, of 64 bits here.
         ("HG_CELL_WORDS", 2 * table::CELL_WORDS),
