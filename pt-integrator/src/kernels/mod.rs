@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | [`TRACE_FILM`] | [`TraceParams`] | triangles, scene, texels, film (out), counters |
 //! | [`trace_records`] | [`TraceParams`] | triangles, scene, texels, records (out), counters |
+//! | [`TRACE_VISIBLE`] | [`VisibleParams`] | triangles, scene, texels, records (out), counters |
 //! | [`COMPOSE_TRACED`] | none | records, film (out) |
 //! | [`COMPOSE_CACHED`] | [`ComposeParams`] | records, estimates, film (out) |
 //! | [`RESOLVE`] | none | film, radiance (out) |
@@ -17,7 +18,9 @@ mod compose;
 mod params;
 mod shared;
 mod trace;
+mod visible;
 
 pub use compose::{COMPOSE_CACHED, COMPOSE_TRACED, RESOLVE};
 pub use params::{ComposeParams, TraceParams};
 pub use trace::{TRACE_FILM, TRACE_RECORDS, trace_records};
+pub use visible::{TRACE_VISIBLE, VisibleParams};

@@ -7,8 +7,10 @@ mod counts;
 mod outcome;
 mod settings;
 mod trace;
+mod visible;
 
 pub use counts::RayCounts;
 pub use outcome::PathOutcome;
 pub use settings::{PathSettings, VertexSettings};
 pub use trace::{MAX_STORED, trace_path, trace_path_for, trace_path_vertices};
+pub use visible::{DirectSettings, trace_visible};

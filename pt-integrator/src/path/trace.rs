@@ -8,7 +8,7 @@ use hashcache_core::geometry::Ray;
 use hashcache_core::traits::{RayCaster, Sampler};
 
 use super::{PathOutcome, PathSettings, RayCounts, VertexSettings};
-use crate::light::{sample_light, triangle_density};
+use crate::light::{LightSample, sample_light, triangle_density};
 use crate::ray::{offset_origin, ray_towards, segment};
 use crate::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine};
 use crate::scene::Needs;
@@ -33,6 +33,7 @@ macro_rules! for_needs {
         }
     }};
 }
+pub(super) use for_needs;
 
 /// Traces one path from a camera ray of unit direction and returns its light, split at the first vertex.
 ///
@@ -146,6 +147,16 @@ enum Roulette {
     ByVertex,
 }
 
+/// The ray from a surface to a sampled emitter.
+#[inline]
+pub(super) fn shadow_ray(surface: &Surface<'_>, light: &LightSample) -> Ray {
+    let origin = offset_origin(surface.position, surface.face, light.direction, surface.offset);
+    match light.target {
+        Some(target) => segment(origin, target),
+        None => ray_towards(origin, light.direction),
+    }
+}
+
 struct Path<'a, 'b, const NEEDS: u32, C, S> {
     scene: &'a SceneView<'b>,
     caster: &'a C,
@@ -250,11 +261,7 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
         if cosine <= 0.0 {
             return Vec3::ZERO;
         }
-        let origin = offset_origin(surface.position, surface.face, light.direction, surface.offset);
-        let shadow = match light.target {
-            Some(target) => segment(origin, target),
-            None => ray_towards(origin, light.direction),
-        };
+        let shadow = shadow_ray(surface, &light);
         self.counts.shadow_asked += 1;
         self.counts.shadow_traced += 1;
         if self.caster.occluded(&shadow) {
