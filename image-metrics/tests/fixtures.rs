@@ -13,7 +13,7 @@
 //! p = np.sort(e.mean(-1).ravel()); trimmed = p[:int(len(p) * (1 - 0.001))].mean()
 //! psnr = -10 * np.log10(((srgb(clip(I)) - srgb(clip(R)))**2).mean())
 //! ```
-//! FLIP, mean and map: the authors' own `flip-evaluator` 1.7 (PyPI) on the sRGB-encoded images, with its defaults:
+//! FLIP, mean and map: the authors' own `flip-evaluator` 1.7 (Python) on the sRGB-encoded images, with its defaults:
 //! ```python
 //! m, mean, _ = flip_evaluator.evaluate(srgb(clip(R)), srgb(clip(I)), "LDR", applyMagma=False)
 //! mean = m.mean(dtype=np.float64)

@@ -42,7 +42,7 @@ fn transform(m: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
     m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-/// Y, C_x, C_z: luminance, red against green, blue against yellow, linear in light.
+/// Y, Cx, Cz: luminance, red against green, blue against yellow, linear in light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Opponent(pub [f64; 3]);
 

@@ -14,8 +14,8 @@ pub(super) type Blur = [f64; 2 * BLUR_RADIUS + 1];
 /// A kernel of odd length.
 pub(super) type Feature = [f64; 2 * FEATURE_RADIUS + 1];
 
-/// The scales b of the contrast sensitivity's Gaussians a·√(π/b)·exp(−π²x²/b), in square degrees, for Y, C_x and the
-/// two of C_z; amplitudes are 1 but for the last two.
+/// The scales b of the contrast sensitivity's Gaussians a·√(π/b)·exp(−π²x²/b), in square degrees, for Y, Cx and the
+/// two of Cz; amplitudes are 1 but for the last two.
 const SCALES: [f64; 4] = [0.0047, 0.0053, 0.04, 0.025];
 const BLUE_YELLOW_AMPLITUDES: [f64; 2] = [34.1, 13.5];
 
@@ -24,9 +24,9 @@ const FEATURE_WIDTH: f64 = 0.082;
 
 /// All kernels.
 pub(super) struct Kernels {
-    /// Gaussians of sum 1 for Y, C_x, C_z and C_z.
+    /// Gaussians of sum 1 for Y, Cx, Cz and Cz.
     pub blurs: [Blur; 4],
-    /// The shares of the two that C_z is blurred with, which sum to 1.
+    /// The shares of the two that Cz is blurred with, which sum to 1.
     pub blue_yellow: [f64; 2],
     /// A Gaussian of sum 1, its first and its second derivative: positive weights sum to 1, negative ones to −1.
     pub features: [Feature; 3],
@@ -97,7 +97,9 @@ mod tests {
     fn kernels_are_normalized() {
         let Kernels { blurs, blue_yellow, features } = Kernels::new();
         let one = |sum: f64| assert!((sum - 1.0).abs() < 1e-12, "{sum}");
-        blurs.iter().for_each(|k| one(k.iter().sum()));
+        for blur in &blurs {
+            one(blur.iter().sum());
+        }
         one(blue_yellow.iter().sum());
         one(features[0].iter().sum());
         for derivative in &features[1..] {

@@ -14,11 +14,11 @@ use rows::{FilteredRows, Seen};
 /// eye overlook fine noise. Figures made with another value cannot be compared.
 pub const FLIP_PIXELS_PER_DEGREE: f64 = 3840.0 * core::f64::consts::PI / 180.0;
 
-/// Compression of colour differences (q_c), and of feature differences (q_f).
+/// Compression of colour differences, and of feature differences.
 const COLOR_EXPONENT: f64 = 0.7;
 const FEATURE_EXPONENT: f64 = 0.5;
 
-/// Differences up to this share of the largest (p_c) take up this share of the scale (p_t).
+/// Differences up to this share of the largest take up this share of the scale.
 const COMMON_SHARE: f64 = 0.4;
 const COMMON_SCALE: f64 = 0.95;
 

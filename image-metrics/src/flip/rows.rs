@@ -1,7 +1,7 @@
 //! One image as the eye sees it, row by row.
 
 use super::color::{Hunt, Opponent, to_hunt};
-use super::kernels::{BLUR_RADIUS, Blur, FEATURE_RADIUS, Feature, Kernels};
+use super::kernels::{BLUR_RADIUS, FEATURE_RADIUS, Kernels};
 use crate::ImageView;
 
 /// A pixel as the eye sees it.
@@ -15,7 +15,7 @@ pub(super) struct Seen {
     pub point: f64,
 }
 
-/// Quantities filtered sideways: four blurs (Y, C_x, C_z twice), luminance by a Gaussian and its two derivatives.
+/// Quantities filtered sideways: four blurs (Y, Cx, Cz twice), luminance by a Gaussian and its two derivatives.
 const CHANNELS: usize = 7;
 /// Rows that a vertical filter reads.
 const RING: usize = 2 * BLUR_RADIUS + 1;
@@ -31,14 +31,14 @@ pub(super) struct FilteredRows<'a> {
     next_input: usize,
     /// The next row to give out.
     next_output: usize,
-    /// Y, C_x, C_z, luminance of a row whose ends are repeated on both sides.
+    /// Y, Cx, Cz, luminance of a row whose ends are repeated on both sides.
     padded: [Vec<f64>; 4],
     /// The vertical sums: as many runs as there are quantities in the end.
     sums: Vec<f64>,
     seen: Vec<Seen>,
 }
 
-/// Vertical sums: Y, C_x, C_z; edge sideways, edge upwards, point sideways, point upwards.
+/// Vertical sums: Y, Cx, Cz; edge sideways, edge upwards, point sideways, point upwards.
 const SUMS: usize = 7;
 
 impl<'a> FilteredRows<'a> {
@@ -86,13 +86,13 @@ impl<'a> FilteredRows<'a> {
             run[BLUR_RADIUS + width..].fill(last);
         }
         let slot = &mut self.ring[y % RING * CHANNELS * width..][..CHANNELS * width];
-        let mut runs = slot.chunks_exact_mut(width);
-        for (blur, channel) in self.kernels.blurs.iter().zip([0, 1, 2, 2]) {
-            runs.by_ref().take(1).for_each(|run| convolve(run, &self.padded[channel], blur));
+        let (blurs, features) = slot.split_at_mut(4 * width);
+        for ((run, blur), channel) in blurs.chunks_exact_mut(width).zip(&self.kernels.blurs).zip([0, 1, 2, 2]) {
+            convolve(run, &self.padded[channel], blur);
         }
-        let inner = &self.padded[3][BLUR_RADIUS - FEATURE_RADIUS..];
-        for feature in &self.kernels.features {
-            runs.by_ref().take(1).for_each(|run| convolve(run, inner, feature));
+        let luminance = &self.padded[3][BLUR_RADIUS - FEATURE_RADIUS..];
+        for (run, feature) in features.chunks_exact_mut(width).zip(&self.kernels.features) {
+            convolve(run, luminance, feature);
         }
         self.next_input += 1;
     }
@@ -102,28 +102,25 @@ impl<'a> FilteredRows<'a> {
         let Kernels { blurs, blue_yellow, features } = &self.kernels;
         let [gaussian, first, second] = features;
         // From which channel, by which kernel, scaled by what, to which sum.
-        let blur_steps: [(usize, &Blur, f64, usize); 4] = [
+        let steps: [(usize, &[f64], f64, usize); 8] = [
             (0, &blurs[0], 1.0, 0),
             (1, &blurs[1], 1.0, 1),
             (2, &blurs[2], blue_yellow[0], 2),
             (3, &blurs[3], blue_yellow[1], 2),
+            (5, gaussian, 1.0, 3),
+            (4, first, 1.0, 4),
+            (6, gaussian, 1.0, 5),
+            (4, second, 1.0, 6),
         ];
-        let feature_steps: [(usize, &Feature, f64, usize); 4] =
-            [(5, gaussian, 1.0, 3), (4, first, 1.0, 4), (6, gaussian, 1.0, 5), (4, second, 1.0, 6)];
         self.sums.fill(0.0);
-        let (ring, sums) = (&self.ring, &mut self.sums);
-        let mut add = |channel: usize, kernel: &[f64], scale: f64, sum: usize| {
-            let radius = kernel.len() / 2;
-            let out = &mut sums[sum * width..][..width];
+        for (channel, kernel, scale, sum) in steps {
+            let out = &mut self.sums[sum * width..][..width];
             for (i, k) in kernel.iter().enumerate() {
-                let source = (y + i).saturating_sub(radius).min(last);
-                let run = &ring[(source % RING * CHANNELS + channel) * width..][..width];
-                let k = k * scale;
-                out.iter_mut().zip(run).for_each(|(out, v)| *out += k * v);
+                let source = (y + i).saturating_sub(kernel.len() / 2).min(last);
+                let run = &self.ring[(source % RING * CHANNELS + channel) * width..][..width];
+                add_scaled(out, run, k * scale);
             }
-        };
-        blur_steps.iter().for_each(|&(channel, kernel, scale, sum)| add(channel, kernel, scale, sum));
-        feature_steps.iter().for_each(|&(channel, kernel, scale, sum)| add(channel, kernel, scale, sum));
+        }
         for (x, seen) in self.seen.iter_mut().enumerate() {
             let sum = |i: usize| self.sums[i * width + x];
             *seen = Seen {
@@ -139,6 +136,13 @@ impl<'a> FilteredRows<'a> {
 fn convolve(out: &mut [f64], padded: &[f64], kernel: &[f64]) {
     out.fill(0.0);
     for (i, k) in kernel.iter().enumerate() {
-        out.iter_mut().zip(&padded[i..]).for_each(|(out, v)| *out += k * v);
+        add_scaled(out, &padded[i..], *k);
+    }
+}
+
+/// Adds `factor` times each value.
+fn add_scaled(out: &mut [f64], values: &[f64], factor: f64) {
+    for (out, value) in out.iter_mut().zip(values) {
+        *out += factor * value;
     }
 }
