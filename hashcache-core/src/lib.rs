@@ -83,6 +83,7 @@ pub mod geometry;
 pub mod hash;
 pub mod jitter;
 pub mod level;
+pub mod octree;
 pub mod pack;
 pub mod record;
 pub mod traits;

@@ -1,0 +1,6 @@
+//! Laws of the octree's cells.
+
+#[path = "octree/common.rs"]
+mod common;
+#[path = "octree/partition.rs"]
+mod partition;
