@@ -6,8 +6,13 @@ use crate::deps;
 use crate::step::{self, Step};
 
 /// Crates without std and the feature sets in which each must stand.
-pub const NO_STD_PACKAGES: [&str; 4] =
-    ["hashcache-backend-api", "hashcache-core", "hashcache-hashgrid", "hashcache-pt-integrator"];
+pub const NO_STD_PACKAGES: [&str; 5] = [
+    "hashcache-backend-api",
+    "hashcache-core",
+    "hashcache-hashgrid",
+    "hashcache-layered-filter",
+    "hashcache-pt-integrator",
+];
 
 /// Formatting, lints, docs, licences, arrows.
 pub fn steps() -> Vec<Step> {

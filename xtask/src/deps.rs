@@ -7,10 +7,11 @@ use serde_json::Value;
 use crate::step::{self, Step};
 
 /// Each crate and the crates of ours it may depend on, as ARCHITECTURE.md draws them. `dev/*` may use anything.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("hashcache-backend-api", &[]),
     ("hashcache-core", &["hashcache-backend-api"]),
     ("hashcache-hashgrid", &["hashcache-core", "hashcache-backend-api"]),
+    ("hashcache-layered-filter", &["hashcache-core", "hashcache-backend-api"]),
     ("hashcache-pt-integrator", &["hashcache-core", "hashcache-backend-api"]),
     ("hashcache-scene", &["hashcache-core", "hashcache-pt-integrator"]),
     ("hashcache-image-metrics", &[]),
@@ -21,6 +22,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
         &[
             "hashcache-core",
             "hashcache-hashgrid",
+            "hashcache-layered-filter",
             "hashcache-pt-integrator",
             "hashcache-scene",
             "hashcache-backend-api",
