@@ -1,4 +1,4 @@
-//! How far an image is from a reference: relMSE, MSE, PSNR, MS-SSIM, FLIP, the energy ratio, and a test for bias.
+//! How far an image is from a reference: relMSE, MSE, PSNR, MS-SSIM, FLIP, the energy ratio, flicker, and a test for bias.
 //!
 //! ```
 //! use image_metrics::{ImageView, psnr, rel_mse};
@@ -17,7 +17,7 @@
 //! # Concepts
 //! - An [`ImageView`] borrows pixels: linear light, Rec. 709 primaries, `[f32; 3]` a pixel, row by row from the upper left.
 //!   It cannot be made from pixels that are NaN or infinite: they are counted and are an error. What comes after never meets one.
-//! - [`rel_mse`], [`rel_mse_trimmed`], [`mse`] and [`energy_ratio`] see linear light, unclipped.
+//! - [`rel_mse`], [`rel_mse_trimmed`], [`mse`], [`energy_ratio`] and [`flicker`] see linear light, unclipped.
 //!   [`psnr`], [`ms_ssim`] and [`flip`] see what a screen shows: clipped to `[0, 1]` and sRGB-encoded by [`srgb_encode`]
 //!   (FLIP undoes the encoding first, so it takes the clipped light as it is).
 //! - An error of an image says nothing about its cause, noise or bias. [`block_test`] tells them apart: it compares several
@@ -35,6 +35,7 @@
 //! RGB only, no alpha. FLIP at one viewing distance, no HDR-FLIP.
 //!
 //! # Source
+//! [`flicker`]: Chaitanya et al. 2017.
 //! [`flip`]: Andersson et al. 2020.
 //! [`ms_ssim`]: Wang et al. 2003.
 //! [`rel_mse`]: Rousselle et al. 2011.
@@ -48,6 +49,7 @@ mod image;
 mod relative;
 mod srgb;
 mod ssim;
+mod temporal;
 
 pub use absolute::{mse, psnr};
 pub use block_test::{BEYOND, BLOCK, BlockScore, BlockTest, Margin, block_test};
@@ -58,3 +60,4 @@ pub use image::ImageView;
 pub use relative::{REL_MSE_EPSILON, WORST_SHARE, rel_mse, rel_mse_trimmed};
 pub use srgb::srgb_encode;
 pub use ssim::{MS_SSIM_MIN_SIDE, ms_ssim};
+pub use temporal::flicker;
