@@ -6,6 +6,7 @@
 //! | [`TRACE_FILM`] | [`TraceParams`] | triangles, scene, texels, film (out), counters |
 //! | [`trace_records`] | [`TraceParams`] | triangles, scene, texels, records (out), counters |
 //! | [`TRACE_VISIBLE`] | [`VisibleParams`] | triangles, scene, texels, records (out), counters |
+//! | [`ANSWER_TRACED`] | none | records, estimates (out) |
 //! | [`COMPOSE_TRACED`] | none | records, film (out) |
 //! | [`COMPOSE_CACHED`] | [`ComposeParams`] | records, estimates, film (out) |
 //! | [`RESOLVE`] | none | film, radiance (out) |
@@ -14,12 +15,14 @@
 //! every per-item binding belongs to it. Triangles, scene and texels are the buffers of [`crate::packed`]; counters
 //! are the words of [`RayCounts`](crate::path::RayCounts).
 
+mod answer;
 mod compose;
 mod params;
 mod shared;
 mod trace;
 mod visible;
 
+pub use answer::ANSWER_TRACED;
 pub use compose::{COMPOSE_CACHED, COMPOSE_TRACED, RESOLVE};
 pub use params::{ComposeParams, TraceParams};
 pub use trace::{TRACE_FILM, TRACE_RECORDS, trace_records};
