@@ -1,5 +1,7 @@
 //! What a cell holds, in two layouts.
 
+use core::mem::offset_of;
+
 use bytemuck::{Pod, Zeroable};
 
 use crate::exact::{MAX_DEPOSITS, Quantum};
@@ -105,6 +107,9 @@ pub trait CellRecord: Pod {
     /// Words of a record.
     const WORDS: usize = size_of::<Self>() / 4;
 
+    /// Which word is the normal.
+    const NORMAL_WORD: usize;
+
     /// Largest count of a side.
     const MAX_COUNT: u32;
 
@@ -147,6 +152,7 @@ pub struct ExactCell {
 }
 
 impl CellRecord for ExactCell {
+    const NORMAL_WORD: usize = offset_of!(Self, normal) / 4;
     const MAX_COUNT: u32 = MAX_DEPOSITS;
 
     fn empty(normal: u32, wiped: u32) -> Self {
@@ -210,6 +216,7 @@ pub struct PaperCell {
 }
 
 impl CellRecord for PaperCell {
+    const NORMAL_WORD: usize = offset_of!(Self, normal) / 4;
     const MAX_COUNT: u32 = 0xffff;
 
     fn empty(normal: u32, wiped: u32) -> Self {

@@ -1,14 +1,25 @@
 //! A linkless octree: which cells of space hold geometry, on all levels, without pointers.
 
 pub mod block;
+mod cell;
+mod cells;
+mod deposit;
 mod error;
 mod grid;
 pub mod header;
+mod lookup;
+mod merge;
+mod params;
+mod pending;
 pub mod table;
 mod view;
 
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
+mod cache;
+#[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod cuckoo;
+#[cfg(feature = "kernels")]
+pub mod kernels;
 #[cfg(target_has_atomic = "64")]
 mod mark;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
@@ -18,17 +29,28 @@ mod overlap;
 mod owned;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod partition;
+#[cfg(all(feature = "kernels", target_has_atomic = "64"))]
+mod stages;
 #[cfg(feature = "alloc")]
 mod triangles;
 
 pub use block::BlockRef;
+pub use cell::{BACK, CellRecord, ExactCell, FRONT, Layout, PaperCell, Side, Sum};
+pub use cells::{ReadCells, SharedCells};
+pub use deposit::deposit_vertices;
 pub use error::{BuildError, OctreeError};
 pub use grid::{BLOCK, Grid, MAP_BITS, MARGIN_BITS, MAX_RESOLUTION, MIN_RESOLUTION};
 #[cfg(target_has_atomic = "64")]
-pub use mark::{Added, Full, Marks};
+pub use mark::{Added, Full, MAX_PROBES, Marks};
+pub use lookup::{SALT_LOOKUP, estimate_vertices};
+pub use merge::merge_entries;
 pub use overlap::Window;
+pub use params::{JITTER_BITS, Light, OctreeParams, OctreeSettings};
+pub use pending::{ENTRY_WORDS, HEAD_WORDS, MAX_RECORDS, Pending};
 pub use view::Octree;
 
+#[cfg(all(feature = "alloc", target_has_atomic = "64"))]
+pub use cache::OctreeCache;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 pub use cuckoo::buckets_for;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
@@ -37,3 +59,5 @@ pub use owned::{BuildSettings, OwnedOctree, build, finish};
 pub use partition::{Partition, Serial, Workers};
 #[cfg(feature = "alloc")]
 pub use triangles::Triangles;
+#[cfg(all(feature = "kernels", target_has_atomic = "64"))]
+pub use stages::OctreeStages;

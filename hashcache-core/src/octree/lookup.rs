@@ -1,0 +1,201 @@
+//! Lookups: what an octree's cells say about a path vertex.
+
+use glam::Vec3;
+
+use super::cell::{CellRecord, Side};
+use super::cells::ReadCells;
+use super::deposit::{BATCH, side_of};
+use super::params::{JITTER_BITS, Light, OctreeParams};
+use super::view::Octree;
+use crate::counters::Counters;
+use crate::hash::pcg3d;
+use crate::jitter::{draw, tangent_offset};
+use crate::level::level_from_footprint;
+use crate::pack::octahedral_decode_int;
+use crate::record::VertexRecord;
+use crate::traits::Estimate;
+
+/// Salt of the draws of a lookup.
+pub const SALT_LOOKUP: u32 = 0x7f4a_7c15;
+
+/// What a lookup asks for, and where.
+#[derive(Clone, Copy)]
+struct Question {
+    position: Vec3,
+    /// Offset in the tangent plane, in 256ths of a cell of any level.
+    offset: Vec3,
+    /// The level nearest the footprint.
+    nearest: u32,
+    /// Where to begin.
+    first: u32,
+    /// The jittered cell of the first level, where there is one.
+    cell: Option<u32>,
+}
+
+impl Question {
+    #[inline]
+    fn new(octree: &Octree<'_>, params: &OctreeParams, factor: f32, vertex: &VertexRecord) -> Self {
+        let [x, y, z, footprint] = vertex.position_footprint;
+        let [a, b, c] = pcg3d([vertex.seed, params.seed(), SALT_LOOKUP]);
+        let (u, v) = (draw(a >> 16, params.jitter()), draw(b >> 16, params.jitter()));
+        let offset = tangent_offset(octahedral_decode_int(vertex.normal), u, v);
+        let nearest = level_with(footprint * factor, params.level_jitter(), c).min(octree.grid().levels - 1);
+        let mut question = Self {
+            position: Vec3::new(x, y, z),
+            offset: Vec3::from_array(offset.map(|v| v as f32)),
+            nearest,
+            first: nearest.saturating_sub(params.finer()),
+            cell: None,
+        };
+        question.cell = question.jittered(octree, question.first);
+        question
+    }
+
+    /// The cell of a level at the jittered position.
+    #[inline]
+    fn jittered(&self, octree: &Octree<'_>, level: u32) -> Option<u32> {
+        let step = octree.grid().cell_size(level) * (1.0 / (1 << JITTER_BITS) as f32);
+        cell_at(octree, self.position + self.offset * step, level)
+    }
+
+    /// The cell of a level at the vertex itself.
+    #[inline]
+    fn plain(&self, octree: &Octree<'_>, level: u32) -> Option<u32> {
+        cell_at(octree, self.position, level)
+    }
+}
+
+#[inline]
+fn cell_at(octree: &Octree<'_>, p: Vec3, level: u32) -> Option<u32> {
+    let place = octree.coordinates(p)?;
+    octree.cell(level, place.map(|c| c >> level))
+}
+
+/// ⌊log₂ `size` + `share`·u⌋ for a u in 0..1 from `random`; the logarithm is taken as linear between powers of two.
+#[inline]
+fn level_with(size: f32, share: u32, random: u32) -> u32 {
+    let bits = size.to_bits();
+    // From infinity on, what is added would make a NaN of it.
+    if bits >= 0x7f80_0000 {
+        return level_from_footprint(size, 1.0);
+    }
+    // At most 2¹⁶·(2¹⁶ − 1)/2⁹ = 2²³.
+    let added = ((u64::from(share) * u64::from(random >> 16)) >> 9) as u32;
+    level_from_footprint(f32::from_bits(bits + added), 1.0)
+}
+
+/// Illumination at every vertex, in order: `answer(i, estimate)`.
+///
+/// The level's cells are nearest to the footprint times the settings' cell size, as a ratio; the cell is the one that
+/// holds the vertex after it was moved at random in its tangent plane, or the vertex itself where there is none or it is
+/// empty; the side is the one that the vertex's normal points to. While the side has too few samples, the next coarser
+/// level is asked the same; the most samples found win.
+///
+/// The mean comes as [`Estimate::further`], whatever light it is; [`Estimate::direct`] is 0. A vertex for which no
+/// samples were found is a *hole*: it gets the light of its own that the cache would have recorded (0 for
+/// [`VertexRecord::VISIBLE_ONLY`]), with 0 samples, NaN and infinite channels replaced by 0; counted as a fallback.
+/// A vertex without [`VertexRecord::VALID`] gets 0, uncounted.
+pub fn estimate_vertices<C: CellRecord>(
+    octree: &Octree<'_>,
+    cells: &(impl ReadCells<C> + ?Sized),
+    params: &OctreeParams,
+    vertices: &[VertexRecord],
+    counters: &mut Counters,
+    mut answer: impl FnMut(usize, Estimate),
+) {
+    let factor = octree.grid().recip_cell * params.cell_factor();
+    for (b, batch) in vertices.chunks(BATCH).enumerate() {
+        // Each step is a loop of its own: only so close together do its misses overlap.
+        let mut questions = [None; BATCH];
+        for (to, vertex) in questions.iter_mut().zip(batch) {
+            *to = vertex.is_valid().then(|| Question::new(octree, params, factor, vertex));
+        }
+        let mut found = [None; BATCH];
+        for (to, question) in found.iter_mut().zip(questions.iter().flatten()) {
+            *to = question.cell.map(|cell| cells.get(cell));
+        }
+        let mut found = found.into_iter();
+        for (i, (vertex, question)) in batch.iter().zip(questions).enumerate() {
+            let estimate = match question {
+                None => Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 },
+                Some(question) => {
+                    let first = found.next().flatten();
+                    estimate_vertex(octree, cells, params, vertex, &question, first, counters)
+                }
+            };
+            answer(b * BATCH + i, estimate);
+        }
+    }
+}
+
+#[inline]
+fn estimate_vertex<C: CellRecord>(
+    octree: &Octree<'_>,
+    cells: &(impl ReadCells<C> + ?Sized),
+    params: &OctreeParams,
+    vertex: &VertexRecord,
+    question: &Question,
+    first: Option<C>,
+    counters: &mut Counters,
+) -> Estimate {
+    counters.lookups += 1;
+    let side = |cell: &C| side_in(params, cell, vertex.normal);
+    let mut best = Side::default();
+    let mut coarser = false;
+    let last = (question.nearest + params.max_climb()).min(octree.grid().levels - 1);
+    for level in question.first..=last {
+        let jittered =
+            if level == question.first { first } else { question.jittered(octree, level).map(|cell| cells.get(cell)) };
+        counters.probes += u64::from(jittered.is_some());
+        let mut here = jittered.map_or(Side::default(), |cell| side(&cell));
+        if here.count == 0 {
+            if let Some(cell) = question.plain(octree, level) {
+                counters.probes += 1;
+                here = side(&cells.get(cell));
+            }
+        }
+        if here.count > best.count {
+            best = here;
+            coarser = level > question.nearest;
+        }
+        if best.count >= params.min_samples() {
+            break;
+        }
+    }
+    if best.count == 0 {
+        counters.fallbacks += 1;
+        return Estimate { direct: Vec3::ZERO, further: own_light(params, vertex, counters), samples: 0 };
+    }
+    counters.hits += 1;
+    counters.coarser += u64::from(coarser);
+    Estimate { direct: Vec3::ZERO, further: Vec3::from_array(best.mean), samples: best.count }
+}
+
+/// The side of a cell that a normal points to; empty when the cell was not touched since the last wipe.
+#[inline]
+fn side_in<C: CellRecord>(params: &OctreeParams, cell: &C, normal: u32) -> Side {
+    if cell.wiped() == params.wiped() {
+        cell.side(side_of(cell.normal(), normal), params.quantum())
+    } else {
+        Side::default()
+    }
+}
+
+/// What a vertex would have given to the cache.
+fn own_light(params: &OctreeParams, vertex: &VertexRecord, counters: &mut Counters) -> Vec3 {
+    if !vertex.is_recordable() {
+        return Vec3::ZERO;
+    }
+    let mut finite = |v: [f32; 4]| {
+        Vec3::from_array([v[0], v[1], v[2]].map(|c| {
+            counters.non_finite += u64::from(!c.is_finite());
+            if c.is_finite() { c } else { 0.0 }
+        }))
+    };
+    let further = finite(vertex.further);
+    match params.light() {
+        // Two large numbers may overflow together.
+        Light::All => (finite(vertex.direct) + further).min(Vec3::splat(f32::MAX)),
+        Light::Further => further,
+    }
+}

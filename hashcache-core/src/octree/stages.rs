@@ -1,0 +1,359 @@
+//! The octree as the pipeline sees it.
+
+use alloc::sync::Arc;
+use alloc::vec;
+use alloc::vec::Vec;
+
+use backend_api::{Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Ticket};
+
+use super::cell::{CellRecord, ExactCell, Layout, PaperCell};
+use super::kernels::Kernels;
+use super::owned::OwnedOctree;
+use super::params::OctreeParams;
+use super::pending::{MAX_RECORDS, Pending};
+use crate::counters::Counters;
+use crate::stages::CacheStages;
+
+/// Records of a frame for which there is room at first.
+const FIRST_RECORDS: u32 = 1 << 16;
+
+/// Cells that are written to a buffer at once: a few megabytes.
+const WRITTEN: usize = 1 << 16;
+
+/// An octree and its data in the buffers of a backend.
+///
+/// `record` adds a batch to the sums of the open frame; its buffer is free as soon as the dispatch has run. `update`
+/// merges the sums into the cells of all levels, once a frame. Lookups see what was merged.
+///
+/// A frame of more records than there is room for is merged in two parts, once; from then on there is room.
+/// [`reserve`](Self::reserve) makes room beforehand.
+#[derive(Debug)]
+pub struct OctreeStages {
+    octree: Arc<OwnedOctree>,
+    params: OctreeParams,
+    layout: Layout,
+    levels: u32,
+    buffers: Option<Buffers>,
+    /// Records for which the lists have room.
+    capacity: u32,
+    /// Records of the open frame.
+    open: u32,
+    /// Number of merges so far, plus 1: what the next wipe is known by.
+    frame: u32,
+    wipe: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Buffers {
+    structure: BufferId,
+    cells: BufferId,
+    marks: BufferId,
+    lists: BufferId,
+}
+
+impl OctreeStages {
+    /// Stages over an octree, with cells of layout [`Layout::Exact`].
+    pub fn new(octree: impl Into<Arc<OwnedOctree>>, params: OctreeParams) -> Self {
+        let octree = octree.into();
+        let levels = octree.view().grid().levels;
+        Self {
+            octree,
+            params,
+            layout: Layout::Exact,
+            levels,
+            buffers: None,
+            capacity: FIRST_RECORDS,
+            open: 0,
+            frame: 1,
+            wipe: false,
+        }
+    }
+
+    /// The same with another layout of cells. Called before `prepare`.
+    #[must_use]
+    pub fn with_layout(mut self, layout: Layout) -> Self {
+        debug_assert!(self.buffers.is_none(), "the cells have a layout already");
+        self.layout = layout;
+        self
+    }
+
+    /// The octree.
+    pub const fn octree(&self) -> &Arc<OwnedOctree> {
+        &self.octree
+    }
+
+    /// The parameters.
+    pub const fn params(&self) -> &OctreeParams {
+        &self.params
+    }
+
+    /// Replaces the parameters; cells keep what they hold. Another quantum than the one before needs a [wipe](Self::wipe)
+    /// in layout [`Layout::Paper`], whose means are in its units, and no open frame.
+    pub const fn set_params(&mut self, params: OctreeParams) {
+        self.params = params.with_wiped(self.params.wiped());
+    }
+
+    /// Empties all cells, lazily: what was recorded before is never seen again, and each cell is cleared when light next
+    /// comes to it.
+    pub const fn wipe(&mut self) {
+        self.wipe = true;
+    }
+
+    /// Number of cells on all levels.
+    pub fn cells(&self) -> u32 {
+        self.octree.normals.len() as u32
+    }
+
+    /// The layout of the cells.
+    pub const fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// Bytes of the cells' data.
+    pub fn data_bytes(&self) -> u64 {
+        u64::from(self.cells()) * u64::from(self.layout.cell_bytes())
+    }
+
+    /// Bytes of the tables that find cells.
+    pub fn table_bytes(&self) -> u64 {
+        4 * self.octree.words.len() as u64
+    }
+
+    /// Bytes that an open frame needs beside: a word a cell, and 144 bytes for each record there is room for.
+    pub fn frame_bytes(&self) -> u64 {
+        let [marks, lists] = Pending::words(self.cells(), self.capacity);
+        4 * (marks + lists)
+    }
+
+    /// The cells' buffer, once prepared.
+    pub fn cell_buffer(&self) -> Option<BufferId> {
+        self.buffers.map(|buffers| buffers.cells)
+    }
+
+    /// The most records of a frame that the lists can have room for.
+    pub fn most_records<B: Backend + ?Sized>(backend: &B) -> u32 {
+        (backend.max_binding_size() / lists_bytes(1)).min(u64::from(MAX_RECORDS)) as u32
+    }
+
+    /// Makes room for frames of `records` records; what is open is merged first.
+    ///
+    /// # Errors
+    /// Those of the backend; [`Error::BadSize`] above [`Self::most_records`].
+    pub fn reserve<B: Backend>(&mut self, backend: &mut B, records: u32) -> Result<(), Error> {
+        if records <= self.capacity {
+            return Ok(());
+        }
+        let size = lists_bytes(records);
+        let limit = lists_bytes(Self::most_records(backend));
+        if size > limit {
+            return Err(Error::BadSize { at: LISTS, size, limit });
+        }
+        if let Some(buffers) = self.buffers {
+            self.merge(backend)?;
+            let lists = backend.create(&BufferDesc { name: LISTS, size })?;
+            backend.destroy(buffers.lists)?;
+            self.buffers = Some(Buffers { lists, ..buffers });
+        }
+        self.capacity = records;
+        Ok(())
+    }
+
+    /// Asks for the counters of everything submitted so far; [`OctreeStages::counters`] reads the bytes.
+    ///
+    /// # Errors
+    /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
+    pub fn read_counters<B: Backend>(&self, backend: &mut B) -> Result<Ticket, Error> {
+        let [first, words] = Pending::counter_words().map(|words| 4 * words as u64);
+        backend.read(self.buffers("read_counters")?.marks, first, words)
+    }
+
+    /// Sets the counters to zero, after all submitted work.
+    ///
+    /// # Errors
+    /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
+    pub fn reset_counters<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
+        let [first, _] = Pending::counter_words().map(|words| 4 * words as u64);
+        backend.write(self.buffers("reset_counters")?.marks, first, bytemuck::bytes_of(&Counters::default()))
+    }
+
+    /// The counters in the bytes that a ticket of [`read_counters`](Self::read_counters) was redeemed for.
+    pub fn counters(bytes: &[u8]) -> Counters {
+        bytemuck::try_pod_read_unaligned(bytes).unwrap_or_default()
+    }
+
+    /// Gives the buffers back. What they held is lost, an open frame too.
+    ///
+    /// # Errors
+    /// Those of the backend.
+    pub fn release<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
+        self.open = 0;
+        if let Some(Buffers { structure, cells, marks, lists }) = self.buffers.take() {
+            for buffer in [structure, cells, marks, lists] {
+                backend.destroy(buffer)?;
+            }
+        }
+        Ok(())
+    }
+
+    const fn kernels(&self) -> &'static Kernels {
+        self.layout.kernels()
+    }
+
+    fn buffers(&self, at: &'static str) -> Result<Buffers, Error> {
+        self.buffers.ok_or(Error::UnknownBuffer { at })
+    }
+
+    /// Bindings of structure, cells, marks and lists.
+    fn bindings(&self, kernel: &Kernel) -> Result<[Binding; 4], Error> {
+        let Buffers { structure, cells, marks, lists } = self.buffers(kernel.name)?;
+        let [mark_words, _] = Pending::words(self.cells(), 0);
+        let bind = |buffer, size| Binding { buffer, offset: 0, size };
+        Ok([
+            bind(structure, self.table_bytes()),
+            bind(cells, self.data_bytes()),
+            bind(marks, 4 * mark_words),
+            bind(lists, lists_bytes(self.capacity)),
+        ])
+    }
+
+    /// Merges what is open, level by level.
+    fn merge<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
+        if self.open == 0 {
+            return Ok(());
+        }
+        let kernel = self.kernels().merge;
+        let bindings = self.bindings(kernel)?;
+        // No level has more entries than the frame has records.
+        let items = Items::Count(self.open);
+        for level in 0..=self.levels {
+            let params = self.params.with_level(level);
+            backend.dispatch(kernel, bytemuck::bytes_of(&params), &bindings, items)?;
+        }
+        self.open = 0;
+        self.frame = self.frame.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Makes room for `wanted` records of a frame, or at least for the next `count` of it.
+    fn merge_and_grow<B: Backend>(&mut self, backend: &mut B, wanted: u32, count: u32) -> Result<(), Error> {
+        // Half as much again, so that frames that grow slowly do not pay each time.
+        let room = (wanted / 2).saturating_add(wanted).min(Self::most_records(backend));
+        if room > self.capacity {
+            return self.reserve(backend, room.max(count));
+        }
+        self.merge(backend)?;
+        self.reserve(backend, count)
+    }
+
+    /// A wipe that was asked for. Light recorded before it is merged first, so that it is old, too.
+    fn apply_wipe<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
+        if self.wipe {
+            self.merge(backend)?;
+            self.params = self.params.with_wiped(self.frame);
+            self.wipe = false;
+        }
+        Ok(())
+    }
+
+    fn create<B: Backend>(&self, backend: &mut B) -> Result<Buffers, Error> {
+        let [marks, _] = Pending::words(self.cells(), 0);
+        let sizes = [
+            ("octree.structure", self.table_bytes()),
+            ("octree.cells", self.data_bytes()),
+            ("octree.marks", 4 * marks),
+            (LISTS, lists_bytes(self.capacity)),
+        ];
+        let limit = backend.max_binding_size();
+        if let Some(&(at, size)) = sizes.iter().find(|(_, size)| *size > limit) {
+            return Err(Error::BadSize { at, size, limit });
+        }
+        let mut made = Vec::with_capacity(sizes.len());
+        for (name, size) in sizes {
+            match backend.create(&BufferDesc { name, size }) {
+                Ok(buffer) => made.push(buffer),
+                Err(error) => {
+                    for buffer in made {
+                        backend.destroy(buffer)?;
+                    }
+                    return Err(error);
+                }
+            }
+        }
+        let [structure, cells, marks, lists] = [made[0], made[1], made[2], made[3]];
+        Ok(Buffers { structure, cells, marks, lists })
+    }
+
+    /// Writes the tables, and empty cells with their normals.
+    fn fill<B: Backend>(&self, backend: &mut B, buffers: &Buffers) -> Result<(), Error> {
+        backend.write(buffers.structure, 0, bytemuck::cast_slice(&self.octree.words))?;
+        match self.layout {
+            Layout::Exact => self.fill_cells::<ExactCell, B>(backend, buffers.cells),
+            Layout::Paper => self.fill_cells::<PaperCell, B>(backend, buffers.cells),
+        }
+    }
+
+    fn fill_cells<C: CellRecord, B: Backend>(&self, backend: &mut B, cells: BufferId) -> Result<(), Error> {
+        let mut offset = 0;
+        for normals in self.octree.normals.chunks(WRITTEN) {
+            let part: Vec<C> = normals.iter().map(|normal| C::empty(*normal, self.params.wiped())).collect();
+            backend.write(cells, offset, bytemuck::cast_slice(&part))?;
+            offset += size_of_val(part.as_slice()) as u64;
+        }
+        Ok(())
+    }
+}
+
+const LISTS: &str = "octree.lists";
+
+const fn lists_bytes(records: u32) -> u64 {
+    4 * Pending::words(0, records)[1]
+}
+
+impl<B: Backend> CacheStages<B> for OctreeStages {
+    /// Creates and fills the buffers, or empties cells and counters of an earlier call.
+    fn prepare(&mut self, backend: &mut B) -> Result<(), Error> {
+        if self.buffers.is_some() {
+            self.wipe();
+            return self.reset_counters(backend);
+        }
+        let buffers = self.create(backend)?;
+        self.buffers = Some(buffers);
+        if let Err(error) = self.fill(backend, &buffers) {
+            self.release(backend)?;
+            return Err(error);
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, backend: &mut B, records: Binding, count: u32) -> Result<(), Error> {
+        self.apply_wipe(backend)?;
+        let wanted = self.open.saturating_add(count);
+        if wanted > self.capacity {
+            self.merge_and_grow(backend, wanted, count)?;
+        }
+        let kernel = self.kernels().deposit;
+        let [structure, cells, marks, lists] = self.bindings(kernel)?;
+        let bindings = [structure, cells, records, marks, lists];
+        backend.dispatch(kernel, bytemuck::bytes_of(&self.params), &bindings, Items::Count(count))?;
+        self.open += count;
+        Ok(())
+    }
+
+    fn update(&mut self, backend: &mut B) -> Result<(), Error> {
+        self.apply_wipe(backend)?;
+        self.merge(backend)
+    }
+
+    fn query(&mut self, backend: &mut B, records: Binding, estimates: Binding, count: u32) -> Result<(), Error> {
+        self.apply_wipe(backend)?;
+        let kernel = self.kernels().lookup;
+        let [structure, cells, marks, _] = self.bindings(kernel)?;
+        let bindings = [structure, cells, records, marks, estimates];
+        backend.dispatch(kernel, bytemuck::bytes_of(&self.params), &bindings, Items::Count(count))
+    }
+
+    fn kernels(&self) -> Vec<&'static str> {
+        let Kernels { deposit, merge, lookup } = Self::kernels(self);
+        vec![deposit.name, merge.name, lookup.name]
+    }
+}
