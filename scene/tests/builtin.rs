@@ -1,7 +1,7 @@
 //! The built-in scenes are what they say.
 #![expect(clippy::float_cmp, reason = "values that are copied or exact come out exactly")]
 
-use pt_integrator::scene::NONE;
+use pt_integrator::scene::{Environment, NONE};
 use scene::glam::{DVec3, Vec3};
 use scene::{LoadOptions, Loaded};
 
@@ -78,4 +78,125 @@ fn the_furnace_is_closed_and_glows_inwards() {
     assert_eq!((material.base_color[..3].to_vec(), material.emission[..3].to_vec()), (vec![0.5; 3], vec![1.0; 3]));
     let view = loaded.view(None).unwrap();
     assert!(view.position.abs().max_element() < 1.0);
+}
+
+/// Area and centre of what emits, and the direction it shines to (up, down, …).
+fn lamps(loaded: &Loaded) -> Vec<(f32, Vec3, Vec3)> {
+    let emits = |i: &usize| loaded.data.triangle_shading[*i].emitter != NONE;
+    let lamp = |i: usize| {
+        let [a, b, c] = loaded.data.indices[i].map(|v| Vec3::from(loaded.data.positions[v as usize]));
+        ((b - a).cross(c - a).length() * 0.5, (a + b + c) / 3.0, side(loaded, i).1)
+    };
+    (0..loaded.data.indices.len()).filter(emits).map(lamp).collect()
+}
+
+#[test]
+fn a_number_is_taken_where_it_means_something() {
+    for name in ["thin-wall", "thin-wall:0.02", "thin-wall:2e-2"] {
+        let loaded = load(&format!("builtin:{name}"));
+        assert_eq!(loaded.name, format!("builtin:{name}"));
+        assert_eq!(loaded.data, load("builtin:thin-wall").data, "{name}");
+    }
+    for name in [
+        "thin-wall:",
+        "thin-wall:x\n",
+        "thin-wall:NaN",
+        "thin-wall:inf",
+        "thin-wall:0",
+        "thin-wall:1.1",
+        "thin-wall:-1",
+    ] {
+        let error = scene::load(&format!("builtin:{name}"), &LoadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("metres from 1e-6 to 1") && error.lines().count() == 1, "{error}");
+    }
+    for name in ["cornell:1", "interior:", ":0.02", "thin-wal:0.02"] {
+        let error = scene::load(&format!("builtin:{name}"), &LoadOptions::default()).unwrap_err().to_string();
+        assert!(error.contains("no such built-in scene") && error.contains("builtin:thin-wall"), "{error}");
+    }
+    for builtin in scene::builtins() {
+        assert_eq!(builtin.parameter.is_some(), builtin.name == "thin-wall");
+    }
+}
+
+#[test]
+fn the_thin_wall_has_its_thickness_and_parts_the_rooms() {
+    for (name, thickness) in [("thin-wall", 0.02), ("thin-wall:1e-6", 1e-6), ("thin-wall:1", 1.0)] {
+        let loaded = load(&format!("builtin:{name}"));
+        assert_eq!((loaded.info.triangles, loaded.info.emissive_triangles), (10 + 12 + 2, 2));
+        assert_eq!(loaded.info.extent, [[-2.0, 0.0, -2.0], [2.0, 2.0, 0.0]]);
+        // The wall's twelve triangles follow on the five sides of the box.
+        let wall = loaded.data.indices[10..22].iter().flatten().map(|&i| Vec3::from(loaded.data.positions[i as usize]));
+        let (low, high) = wall.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        assert!((high - low - Vec3::new(thickness, 2.0, 2.0)).abs().max_element() < 1e-6 * thickness + 1e-9);
+        assert_eq!((low.y, low.z, high.z), (0.0, -2.0, 0.0));
+        for i in 0..10 {
+            let (centre, front) = side(&loaded, i);
+            assert!(front.dot(Vec3::new(0.0, 1.0, -1.0) - centre) > 0.1, "side {i} faces outwards");
+        }
+        for (_, centre, front) in lamps(&loaded) {
+            assert!(centre.x < -0.5 && centre.z < 0.0 && front.abs_diff_eq(Vec3::NEG_Z, 1e-6));
+        }
+    }
+}
+
+#[test]
+fn the_room_is_closed_and_its_lamps_shine_upwards() {
+    let loaded = load("builtin:interior");
+    assert!((3000..20_000).contains(&loaded.info.triangles), "{}", loaded.info.triangles);
+    assert_eq!((loaded.info.textures, loaded.info.meshes), (2, 1));
+    let [low, high] = loaded.info.extent;
+    assert_eq!((low, high[0]), ([0.0; 3], 6.0));
+    let lamps = lamps(&loaded);
+    assert_eq!(lamps.len(), 4);
+    for (area, centre, front) in lamps {
+        assert!(area < 0.3 && centre.y > 1.7 && front.abs_diff_eq(Vec3::Y, 1e-6));
+        // From the camera the front does not show: what emits lies above the eye.
+        assert!(f64::from(centre.y) > loaded.view(None).unwrap().position.y);
+    }
+    // The six sides face inwards and close the room: by the divergence theorem they hold its volume.
+    let six: f32 = (0..12)
+        .map(|i| {
+            let [a, b, c] = loaded.data.indices[i].map(|v| Vec3::from(loaded.data.positions[v as usize]));
+            -a.dot(b.cross(c))
+        })
+        .sum();
+    assert!((six / 6.0 - 6.0 * 2.8 * 4.5).abs() < 1e-3);
+    let inside = |p: &[f32; 3]| Vec3::from(*p).clamp(Vec3::ZERO, Vec3::new(6.0, 2.8, 4.5)) == Vec3::from(*p);
+    assert!(loaded.data.positions.iter().all(inside));
+}
+
+#[test]
+fn instances_are_many_and_stored_once() {
+    let loaded = load("builtin:instances");
+    assert!(loaded.info.triangles >= 1_000_000, "{}", loaded.info.triangles);
+    assert!(loaded.info.stored_triangles < 20_000, "{}", loaded.info.stored_triangles);
+    assert_eq!((loaded.info.meshes, loaded.info.instances), (4, 257));
+    assert!(matches!(loaded.data.environment, Some(Environment::Constant(_))));
+    assert_eq!(lamps(&loaded).len(), 2);
+    let [low, high] = loaded.info.extent;
+    assert!(low[1] == -0.5 && high[1] > 20.0 && high[0] < 25.0 && low[0] > -25.0, "{low:?} {high:?}");
+    // Shrubs stand on the floor, upright, of all three kinds.
+    for instance in &loaded.data.instances[1..] {
+        assert_eq!(instance.point(Vec3::ZERO).y, 0.0);
+        assert!(instance.point(Vec3::Y).y > 0.6);
+    }
+    for kind in 1..4 {
+        assert!(loaded.data.instances.iter().filter(|i| i.mesh == kind).count() > 50);
+    }
+}
+
+#[test]
+fn smooth_normals_lean_to_their_faces() {
+    for name in ["interior", "instances"] {
+        let loaded = load(&format!("builtin:{name}"));
+        let mut smooth = 0;
+        for (i, shading) in loaded.data.triangle_shading.iter().enumerate().filter(|(_, s)| !s.is_flat()) {
+            let front = side(&loaded, i).1;
+            for normal in shading.normals.map(hashcache_core::pack::octahedral_decode) {
+                assert!(normal.dot(front) > 0.3, "{name}: triangle {i}: {normal} {front}");
+            }
+            smooth += 1;
+        }
+        assert!(smooth > 1000, "{name}: {smooth}");
+    }
 }

@@ -36,7 +36,10 @@ fn no_such_file_or_format() {
         ("/nonexistent/scene.gltf", "cannot be read"),
         ("scene.obj", "neither .gltf, .glb nor builtin:NAME"),
         ("", "neither .gltf"),
-        ("builtin:teapot\n", "builtin:cornell, builtin:furnace"),
+        (
+            "builtin:teapot\n",
+            "there are builtin:cornell, builtin:furnace, builtin:interior, builtin:thin-wall, builtin:instances",
+        ),
         ("builtin:", "no such built-in scene"),
     ] {
         let error = scene::load(source, &LoadOptions::default()).unwrap_err().to_string();
