@@ -13,7 +13,7 @@ use hashcache_core::geometry::Ray;
 use proptest::prelude::*;
 use pt_integrator::glam::Vec3;
 use pt_integrator::packed::PackedScene;
-use pt_integrator::path::{DirectSettings, PathOutcome, PathSettings, RayCounts, trace_path, trace_visible};
+use pt_integrator::path::{DirectSettings, PathOutcome, PathSettings, RayCounts, Strategy, trace_path, trace_visible};
 use pt_integrator::ray::ray_towards;
 use pt_integrator::sampler::{Independent, Sobol};
 use pt_integrator::scene::{Environment, EnvironmentImage, Material, SceneData, Texture, Wrap};
@@ -54,20 +54,30 @@ fn mean_and_error(values: impl Iterator<Item = Vec3>) -> (f64, f64) {
 fn visible(scene: &SceneData, ray: &Ray, direct: DirectSettings, samples: u32) -> (Vec<PathOutcome>, RayCounts) {
     let packed = PackedScene::new(scene).unwrap();
     let (view, caster) = (packed.view(), BruteForce::new(scene));
+    let direct = direct.for_scene(&view);
     let mut counts = RayCounts::default();
     let one = |sample: u32| {
-        let numbers = |i| Independent::new(sample * direct.all() + i, 77);
+        let numbers = |strategy, i| match strategy {
+            Strategy::NextEvent => Independent::new(sample * direct.all() + i, 77),
+            Strategy::Scattering => Independent::new(sample * direct.scattered + i, 78),
+        };
         trace_visible(&view, &caster, ray, &direct, numbers, &mut counts)
     };
     ((0..samples).map(one).collect(), counts)
 }
 
-const SETTINGS: [DirectSettings; 5] = [
-    DirectSettings { samples: 1, candidates: 1 },
-    DirectSettings { samples: 1, candidates: 4 },
-    DirectSettings { samples: 3, candidates: 1 },
-    DirectSettings { samples: 4, candidates: 3 },
-    DirectSettings { samples: 1000, candidates: 1000 },
+const fn settings(samples: u32, candidates: u32, scattered: u32) -> DirectSettings {
+    DirectSettings { samples, candidates, scattered }
+}
+
+const SETTINGS: [DirectSettings; 7] = [
+    settings(1, 1, 0),
+    settings(1, 4, 1),
+    settings(3, 1, 2),
+    settings(4, 3, 0),
+    settings(0, 1, 1),
+    settings(1, 0, 4),
+    settings(1000, 1000, 1),
 ];
 
 /// The mean is the path tracer's, for every kind of emitter and number of samples.
@@ -92,12 +102,13 @@ fn direct_light_is_the_path_tracers() {
                 .collect();
             let (expected, sigma) = mean_and_error(whole.iter().map(|o| o.direct));
             for direct in SETTINGS {
-                let (seen, counts) = visible(&scene, &ray, direct, 40_000 / direct.all().max(4));
+                let (seen, counts) = visible(&scene, &ray, direct, 40_000 / (direct.all() + direct.scattered).max(4));
                 let (mean, error) = mean_and_error(seen.iter().map(|o| o.direct));
                 let bound = 4.5 * sigma.hypot(error) + 1e-5 * expected;
                 assert!((mean - expected).abs() < bound, "{what}, {direct:?}: {mean} ± {error}, not {expected}");
-                let most = seen.len() as u64 * u64::from(direct.samples.min(DirectSettings::MAX_CANDIDATES));
-                assert!(counts.shadow_traced <= most && counts.paths == seen.len() as u64);
+                let most = u64::from(direct.samples.min(DirectSettings::MAX_CANDIDATES) + direct.scattered.max(1));
+                let paths = seen.len() as u64;
+                assert!(counts.paths == paths && counts.shadow_traced + counts.closest <= paths * (1 + most));
                 // All but the light is the path's.
                 let (o, w) = (&seen[0], &whole[0]);
                 assert_eq!(PathOutcome { direct: w.direct, ..*o }, PathOutcome { further: Vec3::ZERO, ..*w });
@@ -123,7 +134,7 @@ fn plane_under_an_even_sky() {
 
 #[test]
 fn no_samples_no_light_no_shadow_rays() {
-    let none = DirectSettings { samples: 0, candidates: 4 };
+    let none = DirectSettings::NONE;
     let (seen, counts) = visible(&room(None, true), &ray_towards(Vec3::ZERO, Vec3::new(0.6, -0.8, 0.0)), none, 8);
     assert!(seen.iter().all(|o| o.has_vertex && o.direct == Vec3::ZERO && o.throughput != Vec3::ZERO));
     assert_eq!((counts.closest, counts.shadow_asked), (8, 0));
@@ -137,20 +148,20 @@ fn candidates_and_strata_reduce_noise() {
     let (view, caster) = (packed.view(), BruteForce::new(&scene));
     let ray = ray_towards(Vec3::new(-0.9, 0.1, -0.8), Vec3::new(1.0, -0.4, 0.8).normalize());
     let error = |candidates| {
-        let direct = DirectSettings { samples: 1, candidates };
+        let direct = settings(1, candidates, 0);
         mean_and_error(visible(&scene, &ray, direct, 20_000).0.iter().map(|o| o.direct)).1
     };
     assert!(error(8) < 0.8 * error(1));
-    let direct = DirectSettings { samples: 4, candidates: 1 };
+    let direct = settings(4, 1, 0);
     let spread = |sobol: bool| {
         let mut counts = RayCounts::default();
         let pixel = |seed: u32| {
             let mut one = |sample: u32| {
                 let index = |i| sample * 4 + i;
                 if sobol {
-                    trace_visible(&view, &caster, &ray, &direct, |i| Sobol::new(index(i), seed), &mut counts)
+                    trace_visible(&view, &caster, &ray, &direct, |_, i| Sobol::new(index(i), seed), &mut counts)
                 } else {
-                    trace_visible(&view, &caster, &ray, &direct, |i| Independent::new(index(i), seed), &mut counts)
+                    trace_visible(&view, &caster, &ray, &direct, |_, i| Independent::new(index(i), seed), &mut counts)
                 }
             };
             (0..4).map(|sample| one(sample).direct).sum::<Vec3>() * 0.25
@@ -158,6 +169,25 @@ fn candidates_and_strata_reduce_noise() {
         mean_and_error((0..500).map(pixel)).1
     };
     assert!(spread(true) < 0.8 * spread(false));
+}
+
+/// Next to an emitter next event alone may bring any amount of light; with a scattered ray no more than twice the
+/// emitter's radiance.
+#[test]
+fn scattering_bounds_light_near_emitters() {
+    let mut scene = SceneData::default();
+    let floor = quad(Vec3::new(-1.0, 0.0, -1.0), 2.0 * Vec3::Z, 2.0 * Vec3::X);
+    add_triangles(&mut scene, &floor, Material::lambert([0.5; 3]));
+    // It stands on the floor and looks along it.
+    let lamp = quad(Vec3::new(0.0, 0.0, -0.5), Vec3::Y, Vec3::Z);
+    let lamp_material = Material { flags: Material::DOUBLE_SIDED, ..Material::emissive([0.0; 3], [1.0; 3]) };
+    add_triangles(&mut scene, &lamp, lamp_material);
+    let ray = ray_towards(Vec3::new(0.002, 1.0, 0.0), Vec3::NEG_Y);
+    let brightest = |scattered| {
+        let (seen, _) = visible(&scene, &ray, settings(1, 1, scattered), 4096);
+        seen.iter().map(|o| o.direct.x).fold(0.0, f32::max)
+    };
+    assert!(brightest(0) > 10.0 && brightest(1) <= 2.0, "{} {}", brightest(0), brightest(1));
 }
 
 proptest! {
@@ -170,6 +200,7 @@ proptest! {
         sky in prop::option::of(0.0_f32..10.0),
         samples: u32,
         candidates: u32,
+        scattered in 0_u32..4,
         inside in 0.0_f32..1.0,
     ) {
         let size = 10.0_f32.powi(scale);
@@ -181,7 +212,7 @@ proptest! {
         let mut lamp = inward_box(Vec3::splat(-0.25 * size), Vec3::splat(0.25 * size));
         lamp.push([Vec3::splat(size); 3]);
         add_triangles(&mut scene, &lamp, Material::emissive([0.5; 3], [10.0_f32.powi(emission), 0.0, 1e-12]));
-        let direct = DirectSettings { samples, candidates };
+        let direct = settings(samples, candidates, scattered);
         prop_assert!(direct.all() <= DirectSettings::MAX_CANDIDATES);
         for towards in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, 0.8)] {
             let ray = ray_towards(Vec3::splat(inside * size * 0.9), towards);
@@ -200,7 +231,7 @@ fn overflow_is_counted() {
     let mut scene = SceneData::default();
     let walls = inward_box(Vec3::splat(-1.0), Vec3::ONE);
     add_triangles(&mut scene, &walls, Material::emissive([1.0; 3], [3e38; 3]));
-    let direct = DirectSettings { samples: 4, candidates: 4 };
+    let direct = settings(4, 4, 1);
     let (seen, counts) = visible(&scene, &ray_towards(Vec3::splat(0.9), Vec3::X), direct, 64);
     assert!(counts.non_finite > 0);
     assert!(seen.iter().all(|o| o.has_vertex && o.is_finite()));

@@ -29,15 +29,21 @@ pub struct VisibleParams {
     pub direct_samples: u32,
     /// [`DirectSettings::candidates`].
     pub direct_candidates: u32,
+    /// [`DirectSettings::scattered`].
+    pub direct_scattered: u32,
     /// Zero.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
 }
 
 impl VisibleParams {
     /// How direct light is found.
     #[inline]
     pub const fn direct(&self) -> DirectSettings {
-        DirectSettings { samples: self.direct_samples, candidates: self.direct_candidates }
+        DirectSettings {
+            samples: self.direct_samples,
+            candidates: self.direct_candidates,
+            scattered: self.direct_scattered,
+        }
     }
 }
 
@@ -62,22 +68,22 @@ pub static TRACE_VISIBLE: Kernel = Kernel {
     casts_rays: true,
 };
 
-/// Parts the numbers of light samples from those of paths.
-const LIGHT_SALT: u32 = 0x6c69_6768;
+/// Part the numbers of direct light from those of paths.
+const SALTS: [u32; 2] = [0x6c69_6768, 0x7363_6174];
 
 fn run(launch: &mut Launch<'_>) {
     let records = launch.output::<VertexRecord>(3);
     let params = launch.params::<VisibleParams>();
     let Some(mut tracing) = Tracing::new(launch) else { return };
-    let settings = params.direct();
-    let first = params.sample.wrapping_mul(settings.all());
+    let settings = params.direct().for_scene(&tracing.scene);
+    let first = [settings.all(), settings.scattered].map(|n| params.sample.wrapping_mul(n));
     for (item, record) in launch.items().zip(records) {
         let index = params.first_pixel + item;
         let seed = pixel_seed(index, params.seed);
         let u = Sobol::new(params.sample, seed).next_2d();
         let ray = params.camera.ray([index % params.width, index / params.width], u);
-        let lights = vertex_seed(seed, LIGHT_SALT);
-        let numbers = |i| Sobol::new(first.wrapping_add(i), lights);
+        let seeds = SALTS.map(|salt| vertex_seed(seed, salt));
+        let numbers = |strategy, i: u32| Sobol::new(first[strategy as usize].wrapping_add(i), seeds[strategy as usize]);
         let Tracing { scene, caster, counts } = &mut tracing;
         let vertex = trace_visible(scene, caster, &ray, &settings, numbers, counts);
         *record = vertex.record(params.camera.pixel_angle(), vertex_seed(seed, params.sample));

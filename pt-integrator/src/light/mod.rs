@@ -6,6 +6,7 @@ mod environment;
 mod environment_build;
 #[cfg(feature = "alloc")]
 mod list;
+mod meeting;
 mod sample;
 mod triangle;
 
@@ -17,6 +18,7 @@ pub use environment::{EnvironmentSample, EnvironmentView};
 pub use environment_build::EnvironmentTables;
 #[cfg(feature = "alloc")]
 pub use list::LightList;
+pub use meeting::{MAX_TRIED, may_meet_emitter};
 pub use sample::{LightSample, sample_light};
 pub use triangle::{TriangleLight, triangle_density};
 

@@ -13,4 +13,4 @@ pub use counts::RayCounts;
 pub use outcome::PathOutcome;
 pub use settings::{PathSettings, VertexSettings};
 pub use trace::{MAX_STORED, trace_path, trace_path_for, trace_path_vertices};
-pub use visible::{DirectSettings, trace_visible};
+pub use visible::{DirectSettings, Strategy, trace_visible};

@@ -8,7 +8,7 @@ use hashcache_core::geometry::Ray;
 use hashcache_core::traits::{RayCaster, Sampler};
 
 use super::{PathOutcome, PathSettings, RayCounts, VertexSettings};
-use crate::light::{LightSample, sample_light, triangle_density};
+use crate::light::{LightSample, may_meet_emitter, sample_light, triangle_density};
 use crate::ray::{offset_origin, ray_towards, segment};
 use crate::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine};
 use crate::scene::Needs;
@@ -279,6 +279,9 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
         let direction = Basis::new(surface.normal).to_scene(local.truncate(), local.z);
         let origin = offset_origin(surface.position, surface.face, direction, surface.offset);
         let ray = ray_towards(origin, direction);
+        if last && self.sees_no_light(&ray) {
+            return Arrival { emitted: Vec3::ZERO, next: None };
+        }
         self.counts.closest += 1;
         let Some(hit) = self.caster.closest(&ray) else {
             let seen = self.scene.outside::<NEEDS>(direction);
@@ -300,5 +303,13 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
             }
         }
         Arrival { emitted, next: (!last).then_some(Next { surface: next, distance: hit.t, direction }) }
+    }
+
+    /// Whether nothing that a ray may meet gives light.
+    #[inline]
+    fn sees_no_light(&self, ray: &Ray) -> bool {
+        NEEDS & Needs::ENVIRONMENT_IMAGE == 0
+            && self.scene.header.constant_environment == [0.0; 4]
+            && (NEEDS & Needs::TRIANGLE_LIGHTS == 0 || !may_meet_emitter(self.scene.lights, ray))
     }
 }
