@@ -2,6 +2,7 @@
 
 use super::block::NO_KEY;
 use super::table::{BUCKET_ENTRIES, BUCKET_WORDS, bucket_pair};
+use super::view::BATCH;
 use crate::hash::pcg;
 
 /// Moves after which an insertion is given up. At a load of 0.9 a few dozen suffice for tables of any size; small ones
@@ -55,18 +56,34 @@ fn try_fill(table: &mut [u32], seed: u32, buckets: u32, rows: impl Iterator<Item
     }
     // A random walk needs luck, but the same luck every time.
     let mut dice = seed;
-    for row in rows {
-        if !insert(table, seed, buckets, row, &mut dice) {
-            return false;
+    let mut batch = [[0; 3]; BATCH];
+    let mut rows = rows;
+    loop {
+        let mut count = 0;
+        // All buckets are looked at first, so that their cache misses overlap.
+        let mut full = [[false; 2]; BATCH];
+        for ((place, full), row) in batch.iter_mut().zip(&mut full).zip(rows.by_ref()) {
+            let pair = bucket_pair(row[0], seed, buckets);
+            *full = pair.map(|bucket| table[(bucket * BUCKET_WORDS + BUCKET_ENTRIES - 1) as usize] != NO_KEY);
+            *place = row;
+            count += 1;
+        }
+        for (row, full) in batch[..count].iter().zip(full) {
+            if !insert(table, seed, buckets, *row, full, &mut dice) {
+                return false;
+            }
+        }
+        if count < BATCH {
+            return true;
         }
     }
-    true
 }
 
-fn insert(table: &mut [u32], seed: u32, buckets: u32, mut row: Row, dice: &mut u32) -> bool {
+/// Buckets are filled from their first entry on and never emptied: whether the last is taken says whether they are `full`.
+fn insert(table: &mut [u32], seed: u32, buckets: u32, mut row: Row, mut full: [bool; 2], dice: &mut u32) -> bool {
     let mut pair = bucket_pair(row[0], seed, buckets);
     for _ in 0..MAX_MOVES {
-        if pair.iter().any(|bucket| put(table, *bucket, row)) {
+        if pair.iter().zip(full).any(|(bucket, full)| !full && put(table, *bucket, row)) {
             return true;
         }
         // Both are full: another entry has to move to its other bucket.
@@ -82,6 +99,7 @@ fn insert(table: &mut [u32], seed: u32, buckets: u32, mut row: Row, dice: &mut u
             pair.swap(0, 1);
         }
         pair[1] = pair[0];
+        full = [false; 2];
     }
     false
 }

@@ -10,6 +10,10 @@ use crate::hash::finish;
 /// Set in the word of a block, so that it is not 0, which is an empty slot.
 const TAKEN: u64 = 1 << 63;
 
+/// Words looked at before a table counts as full: at three quarters of its words taken, a key in a thousand million has
+/// to go farther.
+pub const MAX_PROBES: usize = 256;
+
 /// Blocks of one map, in an open-addressing table in borrowed words that were zero before: occupancy in the low half, the
 /// key above it. Bits are only ever set, so that the marked cells do not depend on order.
 #[derive(Clone, Copy, Debug)]
@@ -39,30 +43,46 @@ impl<'a> Marks<'a> {
     /// Marks cells of the block at a position within its map.
     ///
     /// # Errors
-    /// [`Full`] when every word belongs to another block.
+    /// [`Full`] when the first [`MAX_PROBES`] words on its way belong to other blocks.
     #[inline]
     pub fn mark(&self, block: [u32; 3], occupancy: u32) -> Result<Added, Full> {
-        let key = block_key(block);
-        let head = TAKEN | (u64::from(key) << 32);
-        let new = head | u64::from(occupancy);
-        let count = self.words.len();
-        let mut slot = multiply_high(finish(key.wrapping_mul(0x9e37_79b1)), count as u32) as usize;
-        for _ in 0..count {
+        let home = self.home(block);
+        self.mark_from(home, self.head(home), block, occupancy)
+    }
+
+    /// The slot at which the search for a block begins.
+    #[inline]
+    pub(crate) fn home(&self, block: [u32; 3]) -> u32 {
+        multiply_high(finish(block_key(block).wrapping_mul(0x9e37_79b1)), self.words.len() as u32)
+    }
+
+    /// The word of a slot.
+    #[inline]
+    pub(crate) fn head(&self, slot: u32) -> u64 {
+        self.words.get(slot as usize).map_or(0, |word| word.load(Relaxed))
+    }
+
+    /// [`Marks::mark`] with the home slot and a word that stood there.
+    #[inline]
+    pub(crate) fn mark_from(&self, home: u32, head: u64, block: [u32; 3], occupancy: u32) -> Result<Added, Full> {
+        let mine = TAKEN | (u64::from(block_key(block)) << 32);
+        let (mut slot, mut found) = (home as usize, head);
+        for _ in 0..self.words.len().min(MAX_PROBES) {
             let word = &self.words[slot];
-            let mut found = word.load(Relaxed);
             if found == 0 {
-                match word.compare_exchange(0, new, Relaxed, Relaxed) {
+                match word.compare_exchange(0, mine | u64::from(occupancy), Relaxed, Relaxed) {
                     Ok(_) => return Ok(Added { blocks: 1, cells: occupancy.count_ones() }),
                     Err(now) => found = now,
                 }
             }
-            if found >> 32 == head >> 32 {
+            if found >> 32 == mine >> 32 {
                 if occupancy & !(found as u32) != 0 {
                     found = word.fetch_or(u64::from(occupancy), Relaxed);
                 }
                 return Ok(Added { blocks: 0, cells: (occupancy & !(found as u32)).count_ones() });
             }
-            slot = if slot + 1 == count { 0 } else { slot + 1 };
+            slot = if slot + 1 == self.words.len() { 0 } else { slot + 1 };
+            found = self.words[slot].load(Relaxed);
         }
         Err(Full)
     }

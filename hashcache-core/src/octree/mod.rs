@@ -15,6 +15,8 @@ pub mod table;
 mod view;
 
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
+mod block_list;
+#[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod cache;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod cuckoo;
@@ -40,14 +42,14 @@ pub use cells::{ReadCells, SharedCells};
 pub use deposit::deposit_vertices;
 pub use error::{BuildError, OctreeError};
 pub use grid::{BLOCK, Grid, MAP_BITS, MARGIN_BITS, MAX_RESOLUTION, MIN_RESOLUTION};
+pub use lookup::{SALT_LOOKUP, estimate_vertices};
 #[cfg(target_has_atomic = "64")]
 pub use mark::{Added, Full, MAX_PROBES, Marks};
-pub use lookup::{SALT_LOOKUP, estimate_vertices};
 pub use merge::merge_entries;
 pub use overlap::Window;
 pub use params::{JITTER_BITS, Light, OctreeParams, OctreeSettings};
 pub use pending::{ENTRY_WORDS, HEAD_WORDS, MAX_RECORDS, Pending};
-pub use view::Octree;
+pub use view::{NO_CELL, Octree};
 
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 pub use cache::OctreeCache;
@@ -57,7 +59,7 @@ pub use cuckoo::buckets_for;
 pub use owned::{BuildSettings, OwnedOctree, build, finish};
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 pub use partition::{Partition, Serial, Workers};
-#[cfg(feature = "alloc")]
-pub use triangles::Triangles;
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
 pub use stages::OctreeStages;
+#[cfg(feature = "alloc")]
+pub use triangles::Triangles;

@@ -3,11 +3,13 @@
 use alloc::vec::Vec;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use super::block_list::BlockList;
 use super::grid::Grid;
 use super::overlap::{Rows, cross};
 use super::partition::{Partition, Workers, absolute, map_window};
+use super::table::Entry;
 use super::triangles::Triangles;
-use super::view::Octree;
+use super::view::{BATCH, NO_CELL, Octree};
 use crate::pack::octahedral_encode;
 use glam::Vec3;
 
@@ -30,22 +32,35 @@ pub(crate) fn normals(
     for map in 0..1 << (3 * grid.maps_log2) {
         let window = map_window(grid, map);
         workers.run(triangles.count(), &|range| {
-            for (id, triangle) in triangles.range(range) {
-                let Some(rows) = Rows::new(grid, &window, &triangle) else { continue };
-                let rank = rank[id as usize];
-                rows.blocks(|block, occupancy| {
-                    let corner = [block[0] << 2, block[1] << 2, block[2] << 1];
-                    let Some(entry) = octree.block(0, corner) else { return };
+            let mut list = BlockList::new();
+            let mut ranks = [0; BATCH];
+            let mut at = 0;
+            let flush = |list: &mut BlockList, ranks: &[u32; BATCH], at: &mut usize| {
+                let entries = entries(&octree, 0, list.blocks());
+                for ((entry, (_, occupancy)), rank) in entries.iter().zip(list.blocks()).zip(ranks) {
                     let mut rest = occupancy & entry.occupancy;
                     while rest != 0 {
                         let bit = rest & rest.wrapping_neg();
                         rest ^= bit;
-                        if let Some(cell) = entry.index(bit) {
-                            lower(&best[cell as usize], rank);
-                        }
+                        lower(&best[entry.index_of(bit) as usize], *rank);
+                    }
+                }
+                list.clear();
+                *at = 0;
+            };
+            for (id, triangle) in triangles.range(range) {
+                let Some(rows) = Rows::new(grid, &window, &triangle) else { continue };
+                let rank = rank[id as usize];
+                rows.blocks(|block, occupancy| {
+                    list.push(block, occupancy);
+                    ranks[at] = rank;
+                    at += 1;
+                    if list.is_full() {
+                        flush(&mut list, &ranks, &mut at);
                     }
                 });
             }
+            flush(&mut list, &ranks, &mut at);
         });
     }
     for level in 1..grid.levels {
@@ -85,20 +100,40 @@ fn codes(triangles: &Triangles<'_>, order: &[u32]) -> Vec<u32> {
     order.iter().map(|id| by_id[*id as usize]).collect()
 }
 
+/// The entries of blocks of a level, by their positions in blocks from the cube's corner. All places are found first, so
+/// that their cache misses overlap.
+fn entries(octree: &Octree<'_>, level: u32, blocks: &[([u32; 3], u32)]) -> [Entry; BATCH] {
+    let mut places = [NO_CELL; BATCH];
+    for (place, ([x, y, z], _)) in places.iter_mut().zip(blocks) {
+        *place = octree.place(level, [x << 2, y << 2, z << 1]).unwrap_or(NO_CELL);
+    }
+    places.map(|place| if place == NO_CELL { Entry { occupancy: 0, base: 0 } } else { octree.entry(place) })
+}
+
 /// Gives the cells of `level` the smallest rank of their children.
 fn pass_up(octree: &Octree<'_>, partition: &Partition, level: u32, best: &[AtomicU32]) {
-    let grid = octree.grid();
     let mut child = octree.level_range(level - 1).start;
     for (map, blocks) in (0..).zip(&partition.levels()[level as usize - 1]) {
-        for block in blocks {
-            let [x, y, z] = absolute(grid, level - 1, map, *block);
-            let Some(entry) = octree.block(level, [x << 1, y << 1, z]) else { continue };
-            for bit in (0..32).filter(|bit| (*block >> bit) & 1 != 0) {
-                let parent = super::block::cell_bit([(4 * x + (bit & 3)) >> 1, (4 * y + (bit >> 2 & 3)) >> 1, z]);
-                if let Some(cell) = entry.index(parent) {
-                    lower(&best[cell as usize], best[child as usize].load(Relaxed));
+        for blocks in blocks.chunks(BATCH) {
+            let mut parents = [([0; 3], 0); BATCH];
+            for (parent, block) in parents.iter_mut().zip(blocks) {
+                let [x, y, z] = absolute(octree.grid(), level - 1, map, *block);
+                let quarter = (x & 1) << 1 | (y & 1) << 3 | (z & 1) << 4;
+                *parent = ([x >> 1, y >> 1, z >> 1], quarter);
+            }
+            let entries = entries(octree, level, &parents[..blocks.len()]);
+            for ((block, (_, quarter)), entry) in blocks.iter().zip(parents).zip(entries) {
+                let mut rest = *block as u32;
+                while rest != 0 {
+                    let bit = rest.trailing_zeros();
+                    rest &= rest - 1;
+                    // Of a child's place in its block: x and y by halves, and z is the block's.
+                    let parent = 1 << (quarter | (bit >> 1 & 1) | (bit >> 1 & 4));
+                    if entry.occupancy & parent != 0 {
+                        lower(&best[entry.index_of(parent) as usize], best[child as usize].load(Relaxed));
+                    }
+                    child += 1;
                 }
-                child += 1;
             }
         }
     }

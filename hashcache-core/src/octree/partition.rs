@@ -5,15 +5,16 @@ use core::ops::Range;
 use core::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use super::block::{from_morton, key_block, morton, parent_occupancy};
+use super::block_list::BlockList;
 use super::cuckoo::buckets_for;
 use super::error::BuildError;
 use super::grid::{Grid, MAP_BITS};
 use super::header::records_words;
-use super::mark::Marks;
-use super::overlap::{Rows, Window};
+use super::mark::{Full, Marks};
+use super::overlap::{Rows, Window, cross};
 use super::table::BUCKET_WORDS;
 use super::triangles::Triangles;
-use super::view::map_of;
+use super::view::{BATCH, map_of};
 
 /// Runs a body over ranges of items, on as many threads as it likes.
 pub trait Workers {
@@ -116,6 +117,12 @@ pub(crate) fn map_window(grid: &Grid, map: u32) -> Window {
     Window { low, high: low.map(|v| (v + (1 << MAP_BITS)).min(grid.side(0))) }
 }
 
+/// Triangles voxelised between two looks at the table's load.
+const ROUND: u32 = 1 << 16;
+
+/// A table is made larger when more than three of four words are taken: longer probes cost more than moving.
+const FULL: u64 = 3;
+
 /// The blocks of one map, and the number of their cells.
 fn voxelise(
     grid: &Grid,
@@ -125,48 +132,129 @@ fn voxelise(
     workers: &dyn Workers,
 ) -> Result<(Vec<Block>, u64), BuildError> {
     let window = map_window(grid, map);
-    let mut slots = 1 << 16;
-    loop {
-        let words: Vec<AtomicU64> = (0..slots).map(|_| AtomicU64::new(0)).collect();
-        let marks = Marks::new(&words);
-        let (full, cells, blocks) = (AtomicBool::new(false), AtomicU64::new(0), AtomicU64::new(0));
-        let corner = [grid.corner[0] >> 2, grid.corner[1] >> 2, grid.corner[2] >> 1];
-        workers.run(triangles.count(), &|range| {
-            for (_, triangle) in triangles.range(range) {
-                if full.load(Relaxed) {
-                    return;
-                }
-                let Some(rows) = Rows::new(grid, &window, &triangle) else { continue };
-                let (mut more_cells, mut more_blocks) = (0, 0);
-                rows.blocks(|block, occupancy| {
-                    let block = [block[0] - corner[0], block[1] - corner[1], block[2] - corner[2]];
-                    match marks.mark(block, occupancy) {
-                        Ok(added) => {
-                            more_cells += u64::from(added.cells);
-                            more_blocks += u64::from(added.blocks);
-                        }
-                        Err(_) => full.store(true, Relaxed),
-                    }
-                });
-                let total = blocks.fetch_add(more_blocks, Relaxed) + more_blocks;
-                cells.fetch_add(more_cells, Relaxed);
-                if total * 4 > slots * 3 {
-                    full.store(true, Relaxed);
-                }
-            }
-        });
-        let cells = cells.into_inner();
+    let most = max_cells.saturating_mul(2).max(1 << 12);
+    let mut words = zeroed(expected_blocks(grid, triangles).saturating_mul(2).clamp(1 << 12, most));
+    let (mut cells, mut blocks, mut first) = (0, 0, 0);
+    while first < triangles.count() {
+        let batch = first..triangles.count().min(first.saturating_add(ROUND));
+        let added = mark_batch(grid, &window, triangles, batch.clone(), &words, max_cells - cells, workers);
+        cells += added.cells;
+        blocks += added.blocks;
         if cells > max_cells {
             return Err(BuildError::TooLarge { needed: cells, limit: max_cells });
         }
-        if !full.into_inner() {
-            let mut blocks: Vec<Block> =
-                marks.blocks().map(|(key, occupancy)| (u64::from(morton(key)) << 32) | u64::from(occupancy)).collect();
-            blocks.sort_unstable();
-            return Ok((blocks, cells));
+        if added.full {
+            words = larger(&words);
+        } else {
+            first = batch.end;
+            if blocks * 4 > words.len() as u64 * FULL && first < triangles.count() {
+                words = larger(&words);
+            }
         }
-        slots *= 4;
     }
+    let mut blocks: Vec<Block> = Marks::new(&words)
+        .blocks()
+        .map(|(key, occupancy)| (u64::from(morton(key)) << 32) | u64::from(occupancy))
+        .collect();
+    drop(words);
+    blocks.sort_unstable();
+    Ok((blocks, cells))
+}
+
+fn zeroed(words: u64) -> Vec<AtomicU64> {
+    (0..words).map(|_| AtomicU64::new(0)).collect()
+}
+
+/// Blocks that so many triangles of such an area would have if none shared any: an upper bound, nearly.
+fn expected_blocks(grid: &Grid, triangles: &Triangles<'_>) -> u64 {
+    let area: f64 = triangles
+        .range(0..triangles.count())
+        .map(|(_, corners)| {
+            // The sum of the three projections' areas: a block shows as many cells to each axis as it has in it.
+            let n = cross(&corners.map(|corner| grid.exact(corner)));
+            0.5 * (n[0].abs() + n[1].abs() + n[2].abs())
+        })
+        .filter(|area| area.is_finite())
+        .sum();
+    area as u64 / 8 + u64::from(triangles.count() / 8)
+}
+
+/// A table of twice as many words with the same marks.
+fn larger(words: &[AtomicU64]) -> Vec<AtomicU64> {
+    let more = zeroed(words.len() as u64 * 2);
+    let marks = Marks::new(&more);
+    for (key, occupancy) in Marks::new(words).blocks() {
+        // There is room for twice as many.
+        let _ = marks.mark(key_block(key), occupancy);
+    }
+    more
+}
+
+/// What a batch added, and whether it has to be done again with more room.
+struct Batch {
+    cells: u64,
+    blocks: u64,
+    full: bool,
+}
+
+fn mark_batch(
+    grid: &Grid,
+    window: &Window,
+    triangles: &Triangles<'_>,
+    batch: Range<u32>,
+    words: &[AtomicU64],
+    max_cells: u64,
+    workers: &dyn Workers,
+) -> Batch {
+    let marks = Marks::new(words);
+    let (full, cells, blocks) = (AtomicBool::new(false), AtomicU64::new(0), AtomicU64::new(0));
+    let corner = [grid.corner[0] >> 2, grid.corner[1] >> 2, grid.corner[2] >> 1];
+    workers.run(batch.end - batch.start, &|range| {
+        let (mut added, mut reported) = (Batch { cells: 0, blocks: 0, full: false }, 0);
+        let mut pending = BlockList::new();
+        let flush = |pending: &mut BlockList, added: &mut Batch| {
+            // All home slots are read first, so that their cache misses overlap.
+            let mut heads = [(0, 0); BATCH];
+            for (head, (block, _)) in heads.iter_mut().zip(pending.blocks()) {
+                let home = marks.home(*block);
+                *head = (home, marks.head(home));
+            }
+            for ((home, head), (block, occupancy)) in heads.into_iter().zip(pending.blocks()) {
+                match marks.mark_from(home, head, *block, *occupancy) {
+                    Ok(new) => {
+                        added.cells += u64::from(new.cells);
+                        added.blocks += u64::from(new.blocks);
+                    }
+                    Err(Full) => added.full = true,
+                }
+            }
+            pending.clear();
+        };
+        for (_, triangle) in triangles.range(batch.start + range.start..batch.start + range.end) {
+            let Some(rows) = Rows::new(grid, window, &triangle) else { continue };
+            rows.blocks(|block, occupancy| {
+                if added.full {
+                    return;
+                }
+                pending.push([block[0] - corner[0], block[1] - corner[1], block[2] - corner[2]], occupancy);
+                if pending.is_full() {
+                    flush(&mut pending, &mut added);
+                }
+            });
+            if added.cells - reported > 1 << 12 {
+                cells.fetch_add(added.cells - reported, Relaxed);
+                reported = added.cells;
+                if added.full || full.load(Relaxed) || cells.load(Relaxed) > max_cells {
+                    break;
+                }
+            }
+        }
+        flush(&mut pending, &mut added);
+        cells.fetch_add(added.cells - reported, Relaxed);
+        blocks.fetch_add(added.blocks, Relaxed);
+        full.fetch_or(added.full, Relaxed);
+    });
+    Batch { cells: cells.into_inner(), blocks: blocks.into_inner(), full: full.into_inner() }
 }
 
 /// The blocks of `level` from those of the next finer one.
