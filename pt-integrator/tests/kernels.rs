@@ -10,7 +10,7 @@ mod common;
 use std::sync::atomic::{AtomicU32, AtomicU64};
 
 use backend_api::{HitRecord, Kernel, Launch, RayRecord, Slot, Status, TraceRays};
-use bytemuck::{bytes_of, cast_slice, cast_slice_mut};
+use bytemuck::{Zeroable, bytes_of, cast_slice, cast_slice_mut};
 use common::caster::BruteForce;
 use common::scenes::{add_triangles, inward_box, quad};
 use hashcache_core::record::VertexRecord;
@@ -20,7 +20,8 @@ use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::glam::Vec3;
 use pt_integrator::kernels::{
-    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, RESOLVE, TRACE_FILM, TRACE_RECORDS, TraceParams,
+    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, RESOLVE, TRACE_FILM, TRACE_RECORDS, TRACE_VISIBLE, TraceParams,
+    VisibleParams, trace_records,
 };
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
@@ -97,7 +98,7 @@ fn run(
 fn trace<T: bytemuck::Pod>(
     kernel: &Kernel,
     emission: f32,
-    params: &TraceParams,
+    params: &impl bytemuck::Pod,
     out: &mut [T],
     cut: usize,
 ) -> (RayCounts, Status) {
@@ -137,7 +138,7 @@ fn records_compose_to_the_film() {
     let mut halved = traced.clone();
     let mut seeds = Vec::new();
     for sample in [4, 5] {
-        let mut records = vec![bytemuck::Zeroable::zeroed(); PIXELS as usize];
+        let mut records = vec![VertexRecord::zeroed(); PIXELS as usize];
         trace::<VertexRecord>(&TRACE_RECORDS, 9.0, &params(1, sample), &mut records, 10);
         assert!(records.iter().all(|r| r.flags == VertexRecord::VALID && r.position_footprint[3] > 0.0));
         seeds.extend(records.iter().map(|r| r.seed));
@@ -172,6 +173,93 @@ fn records_compose_to_the_film() {
     assert!(full.iter().zip(&half).any(|(a, b)| b[0] < a[0]));
 }
 
+/// Kernels for every number of kept vertices: the same path, seen by more records.
+#[test]
+fn further_vertices_stand_behind_the_first() {
+    assert!(trace_records(0).is_none() && trace_records(9).is_none() && trace_records(u32::MAX).is_none());
+    let none = |count: u32| vec![VertexRecord::zeroed(); (count * PIXELS) as usize];
+    let mut first = none(1);
+    trace(&TRACE_RECORDS, 9.0, &params(1, 4), &mut first, 10);
+    let mut names = vec![TRACE_FILM.name, TRACE_VISIBLE.name];
+    for store in 1..=8 {
+        let kernel = trace_records(store).unwrap();
+        assert!(kernel.is_well_formed());
+        names.push(kernel.name);
+        let mut records = none(store);
+        let (counts, status) = trace(kernel, 9.0, &params(1, 4), &mut records, 10);
+        assert_eq!((counts.paths, status), (u64::from(PIXELS), Status::OK));
+        let mut cut = none(store);
+        trace(kernel, 9.0, &params(1, 4), &mut cut, 7);
+        assert_eq!(records, cut);
+        let mut seeds: Vec<u32> = records.iter().map(|r| r.seed).collect();
+        for (records, first) in records.chunks_exact(store as usize).zip(&first) {
+            assert_eq!(records[0], *first);
+            for pair in records.windows(2) {
+                assert_eq!(pair[1].flags, VertexRecord::VALID | VertexRecord::SECONDARY);
+                assert!(pair[1].position_footprint[3] > pair[0].position_footprint[3]);
+                assert_eq!(pair[1].emitted, [0.0; 4]);
+            }
+        }
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), records.len(), "seeds are unique");
+        // Without further light only the vertices' own is left.
+        let short = TraceParams { store_length: 0, ..params(1, 4) };
+        trace(kernel, 9.0, &short, &mut cut, 64);
+        assert!(cut.iter().all(|r| r.further == [0.0; 4]));
+        assert!(cut.iter().zip(&records).all(|(a, b)| (a.direct, a.normal) == (b.direct, b.normal)));
+    }
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), 10, "names are unique");
+    // A path that ends leaves nothing behind its end, not even a seed.
+    let mut records = none(4);
+    let ended = TraceParams { max_bounces: 0, ..params(1, 4) };
+    trace(trace_records(4).unwrap(), 9.0, &ended, &mut records, 64);
+    for records in records.chunks_exact(4) {
+        assert!(!records[0].is_valid() && records[1..].iter().all(|r| *r == VertexRecord::zeroed()));
+    }
+}
+
+/// Vertices that only ask stand where a path of the same index has its first vertex, in whatever cut.
+#[test]
+fn visible_vertices_are_those_of_paths() {
+    let TraceParams { camera, width, first_pixel, seed, .. } = params(1, 0);
+    let asked = |sample, direct_samples| VisibleParams {
+        camera,
+        width,
+        first_pixel,
+        sample,
+        seed,
+        direct_samples,
+        direct_candidates: 1,
+        direct_scattered: u32::from(direct_samples > 0),
+        reserved: 0,
+    };
+    let mut sums = [Vec3::ZERO; 2];
+    for sample in 0..32 {
+        let mut path = vec![VertexRecord::zeroed(); PIXELS as usize];
+        trace(&TRACE_RECORDS, 9.0, &params(1, sample), &mut path, 64);
+        let mut dark = path.clone();
+        let (counts, status) = trace(&TRACE_VISIBLE, 9.0, &asked(sample, 0), &mut dark, 64);
+        assert_eq!((counts.closest, counts.shadow_asked, status), (u64::from(PIXELS), 0, Status::OK));
+        let mut lit = path.clone();
+        trace(&TRACE_VISIBLE, 9.0, &asked(sample, 4), &mut lit, 64);
+        let mut cut = path.clone();
+        trace(&TRACE_VISIBLE, 9.0, &asked(sample, 4), &mut cut, 7);
+        assert_eq!(lit, cut);
+        for ((path, dark), lit) in path.iter().zip(&dark).zip(&lit) {
+            let flags = VertexRecord::VALID | VertexRecord::VISIBLE_ONLY;
+            assert!(!lit.is_recordable() && path.is_recordable());
+            assert_eq!(*dark, VertexRecord { direct: [0.0; 4], further: [0.0; 4], flags, ..*path });
+            assert_eq!(*lit, VertexRecord { direct: lit.direct, ..*dark });
+            sums[0] += Vec3::from_slice(&path.direct);
+            sums[1] += Vec3::from_slice(&lit.direct);
+        }
+    }
+    assert!((sums[1] / sums[0] - Vec3::ONE).abs().max_element() < 0.03, "{} and {}", sums[1], sums[0]);
+}
+
 #[test]
 fn light_beyond_numbers_is_reported() {
     let mut film = vec![FilmPixel::default(); PIXELS as usize];
@@ -179,7 +267,7 @@ fn light_beyond_numbers_is_reported() {
     assert!(counts.non_finite > 0 && status.contains(Status::NON_FINITE));
     assert!(film.iter().all(|p| p.mean().is_finite() && p.mean().w == 1.0));
 
-    let record = VertexRecord { emitted: [f32::NAN, 0.0, 0.0, 0.0], ..bytemuck::Zeroable::zeroed() };
+    let record = VertexRecord { emitted: [f32::NAN, 0.0, 0.0, 0.0], ..VertexRecord::zeroed() };
     let mut film = vec![FilmPixel::default()];
     let status = run(&COMPOSE_TRACED, &[], &[bytes_of(&record)], cast_slice_mut(&mut film), None, None, 1);
     assert_eq!(status, Status::NON_FINITE);
