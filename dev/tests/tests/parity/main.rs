@@ -4,4 +4,5 @@
 mod core;
 mod grid;
 mod keys;
+mod octree;
 mod sampler;
