@@ -20,6 +20,7 @@
 //!   decoded from sRGB before filtering). Emission is emissive factor × strength, from the front (counter-clockwise) side
 //!   unless the material is double-sided. Emitting primitives are shaded by the triangles' own normals.
 //! - **Cameras** are pinholes with the file's vertical field of view; the picture's size gives the aspect ratio.
+//!   A [`CameraPath`] is a move of one, read from a file of its own.
 //!
 //! # What is read
 //! glTF 2.0 and GLB: nodes (matrix or translation, rotation, scale), meshes of triangles, strips and fans, `POSITION`,
@@ -44,7 +45,7 @@
 //! morph targets or animations: each is named in a warning.
 //!
 //! # Sources
-//! Khronos, glTF 2.0 specification (2.0.1). The Cornell box: Goral et al. 1984, in RGB as in Mitsuba 3.
+//! Khronos, glTF 2.0 specification (2.0.1). [`CameraPath`]: Catmull & Rom 1974, Barry & Goldman 1988. The Cornell box: Goral et al. 1984, in RGB as in Mitsuba 3.
 
 mod builder;
 mod builtin;
@@ -52,6 +53,7 @@ pub mod environment;
 mod error;
 mod import;
 mod info;
+mod path;
 mod texture;
 mod view;
 mod warning;
@@ -65,6 +67,7 @@ pub use builtin::{Builtin, builtins};
 pub use error::SceneError;
 pub use glam;
 pub use info::{Extension, Info};
+pub use path::{CameraKey, CameraPath};
 pub use view::View;
 pub use warning::Warning;
 
