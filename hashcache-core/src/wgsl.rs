@@ -1,6 +1,6 @@
 //! The WGSL twins of this crate's functions, as text.
 //!
-//! Every module stands alone; concatenate the ones a shader needs, in any order. All are pure functions, structs and
+//! Every module in [`ALL`] stands alone; concatenate the ones a shader needs, in any order. They are pure functions, structs and
 //! constants with the prefix `hc_` (`Hc`, `HC_`), without bindings or entry points. A `u64` is a `vec2<u32>`, low
 //! word first; an array of `u32` is a vector.
 //!
@@ -32,5 +32,11 @@ pub const COUNTERS: &str = include_str!("../wgsl/counters.wgsl");
 /// [`crate::stages::EstimateRecord`].
 pub const RECORD: &str = include_str!("../wgsl/record.wgsl");
 
-/// All of them.
+/// Twins of the lookups of [`crate::octree`]; needs [`HASH`] and the global of [`OCTREE_BINDINGS`].
+pub const OCTREE: &str = include_str!("../wgsl/octree.wgsl");
+
+/// The global that holds an octree's words, at binding 0; replace it to embed [`OCTREE`] elsewhere.
+pub const OCTREE_BINDINGS: &str = include_str!("../wgsl/octree_bindings.wgsl");
+
+/// All that stand alone.
 pub const ALL: [&str; 7] = [HASH, JITTER, PACK, LEVEL, EXACT, COUNTERS, RECORD];

@@ -21,6 +21,12 @@ fn every_module_stands_alone() {
 }
 
 #[test]
+fn the_octree_needs_hashes_and_its_global() {
+    let module = validate("octree", &[wgsl::HASH, wgsl::OCTREE_BINDINGS, wgsl::OCTREE].concat());
+    assert!(module.functions.iter().any(|(_, function)| function.name.as_deref() == Some("hc_cell")));
+}
+
+#[test]
 fn modules_concatenate_and_keep_their_prefix() {
     let module = validate("all modules", &wgsl::ALL.concat());
     assert!(module.functions.len() > 20);

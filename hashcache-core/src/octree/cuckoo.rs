@@ -28,8 +28,8 @@ pub(crate) type Row = [u32; 3];
 /// The buckets and the seed with which all `rows` find a place; `resize` gives the words for so many buckets.
 ///
 /// The result depends on the rows and their order only.
-pub(crate) fn fill<'w, I: Iterator<Item = Row>>(
-    words: &'w mut alloc::vec::Vec<u32>,
+pub(crate) fn fill<I: Iterator<Item = Row>>(
+    words: &mut alloc::vec::Vec<u32>,
     blocks: u32,
     rows: impl Fn() -> I,
 ) -> (u32, u32) {

@@ -31,10 +31,13 @@ mod overlap;
 mod owned;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod partition;
+#[cfg(all(feature = "alloc", target_has_atomic = "64"))]
+mod size;
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
 mod stages;
 #[cfg(feature = "alloc")]
 mod triangles;
+mod validate;
 
 pub use block::BlockRef;
 pub use cell::{BACK, CellRecord, ExactCell, FRONT, Layout, PaperCell, Side, Sum};
@@ -49,6 +52,7 @@ pub use merge::merge_entries;
 pub use overlap::Window;
 pub use params::{JITTER_BITS, Light, OctreeParams, OctreeSettings};
 pub use pending::{ENTRY_WORDS, HEAD_WORDS, MAX_RECORDS, Pending};
+pub use validate::OctreeViolation;
 pub use view::{NO_CELL, Octree};
 
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
@@ -56,9 +60,11 @@ pub use cache::OctreeCache;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 pub use cuckoo::buckets_for;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
-pub use owned::{BuildSettings, OwnedOctree, build, finish};
+pub use owned::{BuildSettings, OwnedOctree, build, build_within, finish};
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 pub use partition::{Partition, Serial, Workers};
+#[cfg(all(feature = "alloc", target_has_atomic = "64"))]
+pub use size::{LevelStatistics, NORMAL_BYTES, predict_bytes, resolution_for_footprint, resolution_within};
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
 pub use stages::OctreeStages;
 #[cfg(feature = "alloc")]

@@ -7,7 +7,7 @@ use super::block_list::BlockList;
 use super::grid::Grid;
 use super::overlap::{Rows, cross};
 use super::partition::{Partition, Workers, absolute, map_window};
-use super::table::Entry;
+use super::table::BlockEntry;
 use super::triangles::Triangles;
 use super::view::{BATCH, NO_CELL, Octree};
 use crate::pack::octahedral_encode;
@@ -102,12 +102,12 @@ fn codes(triangles: &Triangles<'_>, order: &[u32]) -> Vec<u32> {
 
 /// The entries of blocks of a level, by their positions in blocks from the cube's corner. All places are found first, so
 /// that their cache misses overlap.
-fn entries(octree: &Octree<'_>, level: u32, blocks: &[([u32; 3], u32)]) -> [Entry; BATCH] {
+fn entries(octree: &Octree<'_>, level: u32, blocks: &[([u32; 3], u32)]) -> [BlockEntry; BATCH] {
     let mut places = [NO_CELL; BATCH];
     for (place, ([x, y, z], _)) in places.iter_mut().zip(blocks) {
         *place = octree.place(level, [x << 2, y << 2, z << 1]).unwrap_or(NO_CELL);
     }
-    places.map(|place| if place == NO_CELL { Entry { occupancy: 0, base: 0 } } else { octree.entry(place) })
+    places.map(|place| if place == NO_CELL { BlockEntry { occupancy: 0, base: 0 } } else { octree.entry(place) })
 }
 
 /// Gives the cells of `level` the smallest rank of their children.

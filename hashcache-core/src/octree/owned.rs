@@ -5,10 +5,11 @@ use alloc::vec::Vec;
 use super::block::from_morton;
 use super::cuckoo::fill;
 use super::error::BuildError;
-use super::grid::Grid;
+use super::grid::{Grid, MIN_RESOLUTION};
 use super::header::{Header, LevelRecord, MAGIC, MapRecord, TABLE_ALIGNMENT, records_words};
 use super::normals;
 use super::partition::{Partition, Workers};
+use super::size::{NORMAL_BYTES, predict_bytes, resolution_within};
 use super::triangles::Triangles;
 use super::view::Octree;
 use crate::geometry::Geometry;
@@ -48,23 +49,81 @@ impl OwnedOctree {
     pub fn view(&self) -> Octree<'_> {
         Octree::new(&self.words).expect("built by this module")
     }
+
+    /// Bytes of tables and normals.
+    pub fn bytes(&self) -> u64 {
+        4 * (self.words.len() + self.normals.len()) as u64
+    }
 }
 
 /// Builds the octree of a scene.
 ///
 /// # Errors
-/// [`BuildError`]: [`TooLarge`](BuildError::TooLarge) before memory for tables, normals or data is asked for.
+/// [`BuildError`]. [`TooLarge`](BuildError::TooLarge), with the size that the octree would have, comes before memory for
+/// tables, normals or data is asked for.
+///
+/// ```
+/// use hashcache_core::geometry::{Geometry, Instance, Mesh};
+/// use hashcache_core::glam::Vec3;
+/// use hashcache_core::octree::{BuildSettings, Serial, build};
+///
+/// let geometry = Geometry {
+///     positions: &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+///     indices: &[[0, 1, 2]],
+///     meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
+///     instances: &[Instance::identity(0)],
+/// };
+/// let built = build(&geometry, &BuildSettings { resolution: 64, ..BuildSettings::default() }, &Serial)?;
+/// let octree = built.view();
+/// let on = octree.coordinates(Vec3::new(0.2, 0.3, 0.0)).expect("inside");
+/// let off = octree.coordinates(Vec3::new(0.2, 0.3, 0.5)).expect("inside");
+/// assert!(octree.cell(0, on).is_some() && octree.cell(0, off).is_none());
+/// # Ok::<(), hashcache_core::octree::BuildError>(())
+/// ```
 pub fn build(
     geometry: &Geometry<'_>,
     settings: &BuildSettings,
     workers: &dyn Workers,
 ) -> Result<OwnedOctree, BuildError> {
+    let &BuildSettings { resolution, cell_bytes, max_bytes } = settings;
     let triangles = Triangles::new(geometry)?;
     let [low, high] = triangles.bounds().ok_or(BuildError::Empty)?;
-    let grid = Grid::new(low, high, settings.resolution)?;
-    let max_cells = settings.max_bytes / (4 + u64::from(settings.cell_bytes));
-    let partition = Partition::new(&grid, &triangles, max_cells, workers)?;
+    let grid = Grid::new(low, high, resolution)?;
+    let max_cells = (max_bytes / u64::from(NORMAL_BYTES + cell_bytes)).min(u64::from(u32::MAX));
+    let partition = match Partition::new(&grid, &triangles, max_cells, workers) {
+        Err(BuildError::TooLarge { .. }) => {
+            // Counting was stopped: the whole is predicted, but not below what was counted.
+            let predicted = predict_bytes(&triangles, resolution, cell_bytes, workers)?;
+            return Err(BuildError::TooLarge { needed: predicted.max(max_bytes.saturating_add(1)), limit: max_bytes });
+        }
+        partition => partition?,
+    };
+    let needed = partition.bytes(cell_bytes);
+    if needed > max_bytes {
+        return Err(BuildError::TooLarge { needed, limit: max_bytes });
+    }
     finish(&partition, &triangles, workers)
+}
+
+/// Builds the octree of the largest resolution up to `settings.resolution` that has at most `settings.max_bytes`.
+///
+/// # Errors
+/// [`BuildError`]; [`TooLarge`](BuildError::TooLarge) when no resolution is small enough.
+pub fn build_within(
+    geometry: &Geometry<'_>,
+    settings: &BuildSettings,
+    workers: &dyn Workers,
+) -> Result<OwnedOctree, BuildError> {
+    let &BuildSettings { resolution, cell_bytes, max_bytes } = settings;
+    let triangles = Triangles::new(geometry)?;
+    let mut resolution = resolution_within(&triangles, resolution, cell_bytes, max_bytes, workers)?;
+    loop {
+        match build(geometry, &BuildSettings { resolution, ..*settings }, workers) {
+            // The prediction was too low.
+            Err(BuildError::TooLarge { .. }) if resolution > MIN_RESOLUTION => resolution /= 2,
+            result => return result,
+        }
+    }
 }
 
 /// Puts a partition's cells into tables and finds their normals.
@@ -85,7 +144,7 @@ fn tables(partition: &Partition) -> Result<Vec<u32>, BuildError> {
     let grid = partition.grid();
     let maps = partition.levels().iter().map(Vec::len).sum::<usize>() as u32;
     let records = records_words(grid.levels, maps);
-    let mut words = Vec::with_capacity(partition.words() as usize);
+    let mut words = Vec::with_capacity(partition.words_from(0) as usize);
     words.resize(records, 0);
     let (mut levels, mut map_records) = (Vec::new(), Vec::new());
     let mut cells = 0_u64;

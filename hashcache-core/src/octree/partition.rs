@@ -12,6 +12,7 @@ use super::grid::{Grid, MAP_BITS};
 use super::header::records_words;
 use super::mark::{Full, Marks};
 use super::overlap::{Rows, Window, cross};
+use super::size::NORMAL_BYTES;
 use super::table::BUCKET_WORDS;
 use super::triangles::Triangles;
 use super::view::{BATCH, map_of};
@@ -88,20 +89,26 @@ impl Partition {
         (0..self.grid.levels).map(|level| self.cells(level)).sum()
     }
 
-    /// Words of header and tables, unless a table has to grow.
-    pub fn words(&self) -> u64 {
-        let maps = self.levels.iter().map(Vec::len).sum::<usize>();
-        let tables = self
-            .levels
+    /// Bytes of tables, normals and `cell_bytes` of data a cell; a table that is hard to fill may take a little more.
+    pub fn bytes(&self, cell_bytes: u32) -> u64 {
+        self.bytes_from(0, cell_bytes)
+    }
+
+    /// [`Partition::bytes`] without the levels below `level`.
+    pub(crate) fn bytes_from(&self, level: u32, cell_bytes: u32) -> u64 {
+        let cells: u64 = (level..self.grid.levels).map(|level| self.cells(level)).sum();
+        4 * self.words_from(level) + u64::from(NORMAL_BYTES + cell_bytes) * cells
+    }
+
+    /// Words of header and tables without the levels below `level`.
+    pub(crate) fn words_from(&self, level: u32) -> u64 {
+        let levels = &self.levels[level as usize..];
+        let maps = levels.iter().map(Vec::len).sum::<usize>();
+        let tables = levels
             .iter()
             .flatten()
             .map(|map| (u64::from(buckets_for(map.len() as u32)) * u64::from(BUCKET_WORDS)).next_multiple_of(16));
-        records_words(self.grid.levels, maps as u32) as u64 + tables.sum::<u64>()
-    }
-
-    /// Bytes of tables, normals and `cell_bytes` of data a cell.
-    pub fn bytes(&self, cell_bytes: u32) -> u64 {
-        4 * self.words() + (4 + u64::from(cell_bytes)) * self.total_cells()
+        records_words(self.grid.levels - level, maps as u32) as u64 + tables.sum::<u64>()
     }
 
     pub(crate) fn levels(&self) -> &[Vec<Vec<Block>>] {
@@ -281,7 +288,7 @@ fn coarser(grid: &Grid, level: u32, finer: &[Vec<Block>]) -> Vec<Vec<Block>> {
         }
     }
     for blocks in &mut maps {
-        blocks.sort();
+        blocks.sort_unstable();
         blocks.dedup_by(|next, kept| {
             let same = *next >> 32 == *kept >> 32;
             *kept |= if same { *next & 0xffff_ffff } else { 0 };

@@ -32,17 +32,17 @@ pub const fn bucket_pair(key: u32, seed: u32, buckets: u32) -> [u32; 2] {
 
 /// An entry of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct BlockEntry {
     /// One bit a cell.
     pub occupancy: u32,
     /// Index of the block's first cell; the others follow in the order of their bits.
     pub base: u32,
 }
 
-impl Entry {
+impl BlockEntry {
     /// Index of the cell with this bit, if it is occupied.
     #[inline]
-    pub const fn index(&self, bit: u32) -> Option<u32> {
+    pub const fn index(self, bit: u32) -> Option<u32> {
         if self.occupancy & bit == 0 {
             return None;
         }
@@ -51,7 +51,7 @@ impl Entry {
 
     /// Index of the cell with this bit, which is occupied.
     #[inline]
-    pub(crate) const fn index_of(&self, bit: u32) -> u32 {
+    pub(crate) const fn index_of(self, bit: u32) -> u32 {
         self.base.wrapping_add((self.occupancy & (bit - 1)).count_ones())
     }
 }

@@ -8,7 +8,7 @@ use super::block::{BlockRef, block_key, cell_bit};
 use super::error::OctreeError;
 use super::grid::Grid;
 use super::header::{HEADER_WORDS, Header, LEVEL_WORDS, LevelRecord, MAGIC, MAP_WORDS, MapRecord, records_words};
-use super::table::{BUCKET_ENTRIES, BUCKET_WORDS, Entry, find};
+use super::table::{BUCKET_ENTRIES, BUCKET_WORDS, BlockEntry, find};
 
 /// Stands for "no cell" where indices are stored; no octree has so many.
 pub const NO_CELL: u32 = u32::MAX;
@@ -106,6 +106,13 @@ impl<'a> Octree<'a> {
         self.maps
     }
 
+    /// The records of a level's maps; empty for a level that there is not.
+    pub fn level_maps(&self, level: u32) -> &'a [MapRecord] {
+        let Some(record) = self.levels.get(level as usize) else { return &[] };
+        let first = record.first_map as usize;
+        &self.maps[first..first + (1 << (3 * record.maps_log2))]
+    }
+
     /// Indices of the cells of a level; empty for a level that there is not.
     pub fn level_range(&self, level: u32) -> Range<u32> {
         self.levels.get(level as usize).map_or(0..0, |record| record.first_cell..record.first_cell + record.cells)
@@ -125,7 +132,7 @@ impl<'a> Octree<'a> {
 
     /// The entry of the block that holds a cell of `level`.
     #[inline]
-    pub fn block(&self, level: u32, coordinates: [u32; 3]) -> Option<Entry> {
+    pub fn block(&self, level: u32, coordinates: [u32; 3]) -> Option<BlockEntry> {
         Some(self.entry(self.place(level, coordinates)?))
     }
 
@@ -141,9 +148,9 @@ impl<'a> Octree<'a> {
 
     /// The entry at a place; nothing is occupied elsewhere.
     #[inline]
-    pub fn entry(&self, place: u32) -> Entry {
+    pub fn entry(&self, place: u32) -> BlockEntry {
         let word = |offset: u32| self.words.get((place + offset) as usize).copied().unwrap_or(0);
-        Entry { occupancy: word(BUCKET_ENTRIES), base: word(2 * BUCKET_ENTRIES) }
+        BlockEntry { occupancy: word(BUCKET_ENTRIES), base: word(2 * BUCKET_ENTRIES) }
     }
 
     /// Indices of many cells of a level, [`NO_CELL`] where no geometry is: what [`Octree::cell`] says, several times as fast

@@ -5,4 +5,5 @@ mod core;
 mod grid;
 mod keys;
 mod octree;
+mod octree;
 mod sampler;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use hashcache_core::counters::Counters;
 use hashcache_core::record::VertexRecord;
-use hashcache_core::{exact, hash, level, pack};
+use hashcache_core::{exact, hash, level, octree, pack};
 use hashgrid::{jitter, params, table, tag};
 
 use crate::{CRATES, wgsl_side};
@@ -29,6 +29,12 @@ fn twins() -> BTreeMap<&'static str, f64> {
         ("HC_OUTCOME_NON_FINITE", exact::Outcome::NonFinite as u32),
         ("HC_OUTCOME_NEGATIVE", exact::Outcome::Negative as u32),
         ("HC_VALID", VertexRecord::VALID),
+        ("HC_HEADER_WORDS", octree::header::HEADER_WORDS as u32),
+        ("HC_LEVEL_WORDS", octree::header::LEVEL_WORDS as u32),
+        ("HC_MAP_WORDS", octree::header::MAP_WORDS as u32),
+        ("HC_BUCKET_ENTRIES", octree::table::BUCKET_ENTRIES),
+        ("HC_BUCKET_WORDS", octree::table::BUCKET_WORDS),
+        ("HC_NO_CELL", octree::NO_CELL),
         ("HC_SECONDARY", VertexRecord::SECONDARY),
         ("HC_VISIBLE_ONLY", VertexRecord::VISIBLE_ONLY),
         ("HG_CELL_BITS", params::CELL_BITS),
