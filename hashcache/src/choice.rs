@@ -56,6 +56,8 @@ choice! {
 choice! {
     /// Where light is shared between paths.
     CacheKind {
+        /// The linkless octree of occupied cells (Roth et al. 2020).
+        Octree = "octree",
         /// The jittered spatial hash of path vertices (Binder et al., path space filtering).
         Grid = "grid",
         /// Nowhere: each pixel has its own paths only.
@@ -72,8 +74,30 @@ choice! {
 choice! {
     /// How the picture is filtered.
     FilterKind {
+        /// Each bounce of light by itself, from the deepest to the one seen, each by its own guides (Roth et al. 2020).
+        Layered = "layered",
+        /// All light at once, by the guides of the surfaces seen.
+        Screen = "screen",
         /// Not at all.
         None = "none",
+    }
+}
+choice! {
+    /// The denoiser behind the filter.
+    DenoiserKind {
+        /// An edge-avoiding à-trous wavelet.
+        ATrous = "a-trous",
+        /// A cross-bilateral filter with 24 sparse taps.
+        CrossBilateral = "cross-bilateral",
+    }
+}
+choice! {
+    /// What an octree's cell stores.
+    OctreeLayout {
+        /// 40 bytes; means that do not drift.
+        Exact = "exact",
+        /// 24 bytes; half floats, which drift.
+        Paper = "paper",
     }
 }
 choice! {

@@ -32,11 +32,11 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// The cache refused its parameters.
-    #[error("cache {kind}: {reason}")]
-    Cache {
-        /// The cache.
-        kind: &'static str,
+    /// A part of the frame refused its parameters.
+    #[error("{what}: {reason}")]
+    Refused {
+        /// The cache, the filter, a setting.
+        what: &'static str,
         /// Why.
         reason: String,
     },

@@ -3,7 +3,6 @@
 use backend_api::{Backend, Binding, Error as BackendError};
 use hashcache_core::error::ParamError;
 use hashcache_core::exact::Quantum;
-use hashcache_core::geometry::Geometry;
 use hashgrid::tag::{EMPTY, tag_distance};
 use hashgrid::{GridStages, Params, Settings as GridSettings};
 use pt_integrator::camera::CameraRays;
@@ -20,7 +19,7 @@ const SMALLEST_CELL: f32 = 1.0 / (1 << 24) as f32;
 /// L0 of the sums as a share of the largest emission. A vertex's illumination is a mean of radiance, so a sample by
 /// multiple importance sampling hardly exceeds the largest emission times the number of bounces; the clamp, at 16 times
 /// the largest emission, is above that, and the quantum, 2⁻²⁹ of it, also serves rooms that a small sun lights.
-const L0_SHARE: f32 = 1.0 / 512.0;
+pub(crate) const L0_SHARE: f32 = 1.0 / 512.0;
 
 /// Word of a cell that holds tag and count, and words of a cell.
 const CELL_BYTES: usize = hashgrid::CELL_WORDS * 8;
@@ -29,12 +28,12 @@ const CELL_BYTES: usize = hashgrid::CELL_WORDS * 8;
 pub(crate) fn params(
     settings: &Settings,
     camera: &Camera,
-    geometry: &Geometry<'_>,
+    diagonal: f32,
     max_radiance: f32,
 ) -> Result<Params, ParamError> {
     Params::new(&GridSettings {
         cell_footprints: settings.grid_cell,
-        base_size: (diagonal(geometry) * SMALLEST_CELL).clamp(1e-9, 1e6),
+        base_size: (diagonal * SMALLEST_CELL).clamp(1e-9, 1e6),
         pixel_angle: CameraRays::new(camera).pixel_angle(),
         jitter: settings.grid_jitter,
         normal_bins: settings.grid_normal_bins,
@@ -48,29 +47,15 @@ pub(crate) fn params(
 pub(crate) fn stages(
     settings: &Settings,
     camera: &Camera,
-    geometry: &Geometry<'_>,
+    diagonal: f32,
     max_radiance: f32,
 ) -> Result<GridStages, ParamError> {
-    let params = params(settings, camera, geometry, max_radiance)?;
+    let params = params(settings, camera, diagonal, max_radiance)?;
     // One slot a pixel: cells hold many vertices, so the table stays nearly empty and probes short.
     let slots = settings
         .grid_slots
         .unwrap_or_else(|| camera.pixels().next_power_of_two().max(hashgrid::table::MIN_CELLS as u32));
     GridStages::new(params, slots)
-}
-
-/// Diagonal of the box about all placed triangles.
-fn diagonal(geometry: &Geometry<'_>) -> f32 {
-    let (mut low, mut high) = (glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY);
-    for instance in geometry.instances {
-        let mesh = geometry.meshes[instance.mesh as usize];
-        let run = mesh.first_triangle as usize..(mesh.first_triangle + mesh.triangle_count) as usize;
-        for &vertex in geometry.indices[run].as_flattened() {
-            let p = instance.point(geometry.positions[vertex as usize].into());
-            (low, high) = (low.min(p), high.max(p));
-        }
-    }
-    if low.cmple(high).all() { (high - low).length() } else { 1.0 }
 }
 
 /// The figures of a grid after all frames.

@@ -37,9 +37,11 @@
 pub mod choice;
 pub mod clock;
 mod error;
+mod filter;
 mod grid;
 pub mod image_file;
 mod needs;
+mod octree;
 mod pipeline;
 mod plan;
 mod preview;

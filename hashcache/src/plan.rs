@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::choice::{CacheKind, Choice, DirectLight};
+use crate::choice::{CacheKind, Choice, DirectLight, FilterKind};
 use crate::needs::Needs;
 use crate::settings::Settings;
 
@@ -50,34 +50,59 @@ impl FramePlan {
             if needs.textures { ", textured" } else { ", no texture code" },
         );
         let bounces = settings.max_bounces;
+        if settings.cache == CacheKind::None && settings.filter == FilterKind::None {
+            push(
+                "trace",
+                format!("whole paths of up to {bounces} scatterings into the film, no cache: {surfaces}; {lights}"),
+            );
+            push("resolve", "the film's sums become radiance".to_owned());
+            return Self { stages, needs, cache: settings.cache, direct: settings.direct };
+        }
+        let kept = match (settings.cache, settings.store) {
+            (CacheKind::None, _) => "their first vertex kept for the filter".to_owned(),
+            (cache, 1) => format!("their first vertex recorded for the {}", cache.name()),
+            (cache, store) => format!("their first {store} vertices recorded for the {}", cache.name()),
+        };
+        push("trace", format!("paths of up to {bounces} scatterings, {kept}: {surfaces}; {lights}"));
         match settings.cache {
-            CacheKind::None => {
+            CacheKind::None => {}
+            CacheKind::Octree => {
                 push(
-                    "trace",
-                    format!("whole paths of up to {bounces} scatterings into the film, no cache: {surfaces}; {lights}"),
+                    "update",
+                    "the vertices' light becomes part of their cells' means, and of all coarser ones".to_owned(),
                 );
             }
             CacheKind::Grid => {
-                push(
-                    "trace",
-                    format!(
-                        "paths of up to {bounces} scatterings, their first vertex recorded for the grid: {surfaces}; {lights}"
-                    ),
-                );
                 push("update", "the vertices' cells are claimed and their light is added to them".to_owned());
-                push("query", "each vertex reads its cell's mean in place of its own light".to_owned());
-                push(
-                    "compose",
-                    match settings.direct {
-                        DirectLight::Cached => "film = emission + albedo · light of the cell".to_owned(),
-                        DirectLight::Traced => {
-                            "film = emission + albedo · (own direct light + further light of the cell)".to_owned()
-                        }
-                    },
-                );
             }
         }
-        push("resolve", "the film's sums become radiance".to_owned());
+        if settings.cache != CacheKind::None {
+            let direct = match settings.direct {
+                DirectLight::Cached => String::new(),
+                DirectLight::Traced => format!(", each with {} shadow rays for direct light", settings.direct_samples),
+            };
+            let least = settings.reconstruct_samples;
+            push("reconstruct", format!("at least {least} samples a pixel show what it sees, for clean edges{direct}"));
+            push("query", "each sample reads its cell's mean in place of its own light".to_owned());
+        }
+        push("gather", "samples become sums of light, albedo and guides a pixel".to_owned());
+        let denoiser = settings.denoiser.name();
+        push(
+            "filter",
+            match settings.filter {
+                FilterKind::None => {
+                    "no filter: sums become radiance, pixels without light take their neighbours'".to_owned()
+                }
+                FilterKind::Layered => format!(
+                    "{denoiser} in {} passes over the light without albedo, in one layer: all surfaces are Lambertian",
+                    settings.filter_passes
+                ),
+                FilterKind::Screen => format!(
+                    "{denoiser} in {} passes over the light without albedo, by the surfaces seen",
+                    settings.filter_passes
+                ),
+            },
+        );
         Self { stages, needs, cache: settings.cache, direct: settings.direct }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glam::Vec3;
 use hashcache_core::geometry::Geometry;
 use hashcache_core::stages::CastsRays;
 use pt_integrator::packed::PackedScene;
@@ -195,6 +196,21 @@ impl Preview {
 
     pub(crate) fn geometry(&self) -> Geometry<'_> {
         self.loaded.data.geometry()
+    }
+
+    /// Half the diagonal of the box about all placed triangles; 0.5 for a scene without any.
+    pub(crate) fn radius(&self) -> f32 {
+        let geometry = self.geometry();
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for instance in geometry.instances {
+            let mesh = geometry.meshes[instance.mesh as usize];
+            let run = mesh.first_triangle as usize..(mesh.first_triangle + mesh.triangle_count) as usize;
+            for &vertex in geometry.indices[run].as_flattened() {
+                let p = instance.point(geometry.positions[vertex as usize].into());
+                (low, high) = (low.min(p), high.max(p));
+            }
+        }
+        if low.cmple(high).all() { 0.5 * (high - low).length() } else { 0.5 }
     }
 
     pub(crate) fn packed(&self) -> &PackedScene {

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use crate::choice::{
-    BackendKind, CacheKind, Choice, DirectLight, FilterKind, IntegratorKind, Launcher, VisibilityKind,
+    BackendKind, CacheKind, Choice, DenoiserKind, DirectLight, FilterKind, IntegratorKind, Launcher, OctreeLayout,
+    VisibilityKind,
 };
 
 /// Largest picture side in pixels.
@@ -14,6 +15,12 @@ pub const MAX_SIDE: u32 = 16_384;
 
 /// Largest number of samples a pixel: sample indices stay below 2²⁴, where the sampler's points are distinct in `f32`.
 pub const MAX_SPP: u32 = 1 << 24;
+
+/// Largest `cache.store`.
+pub const MAX_STORE: u32 = pt_integrator::path::MAX_STORED as u32;
+
+/// Largest `octree.resolution`.
+pub const MAX_RESOLUTION: u32 = 1 << 16;
 
 /// Largest `max_bounces`.
 pub const MAX_BOUNCES: u32 = 1024;
@@ -53,6 +60,57 @@ pub struct Settings {
     pub roulette_depth: Option<u32>,
     /// `cache.direct`: whether direct light comes from the cache or from the pixel's own shadow rays.
     pub direct: DirectLight,
+    /// `cache.crf`: caching resolution factor: columns and rows of the cache pass per column and row of the picture.
+    pub crf: f32,
+    /// `cache.store`: vertices of each path that the cache takes, 1 to 8.
+    pub store: u32,
+    /// `cache.length`: scatterings behind a stored vertex that bring light to it; `None` (`auto`): as many as
+    /// `max_bounces` leaves to a path's first vertex.
+    pub store_length: Option<u32>,
+    /// `direct.samples`: shadow rays of each sample of a pixel when direct light is traced.
+    pub direct_samples: u32,
+    /// `direct.candidates`: light samples among which each shadow ray's is drawn by its contribution.
+    pub direct_candidates: u32,
+    /// `direct.scattered`: rays in proportion to the cosine, beside the shadow rays; without any, noise near emitters has no
+    /// bound.
+    pub direct_scattered: u32,
+    /// `reconstruct.samples`: samples a pixel and frame at least that show surfaces and ask the cache.
+    pub reconstruct_samples: u32,
+    /// `filter.denoiser`: the denoiser behind the filter.
+    pub denoiser: DenoiserKind,
+    /// `filter.passes`: passes of the denoiser over each image, 1 to 8.
+    pub filter_passes: u32,
+    /// `filter.radius`: farthest tap of the cross-bilateral filter in pixels.
+    pub filter_radius: f32,
+    /// `filter.luminance`: fall with the difference of the cache's light, in its standard deviations.
+    pub filter_luminance: f32,
+    /// `filter.direct_luminance`: the same for direct light that is traced.
+    pub filter_direct_luminance: f32,
+    /// `filter.normal`: how often the cosine between normals is squared, 0 to 10.
+    pub filter_normal: u32,
+    /// `filter.path`: fall with the difference of path lengths, per scene radius; 0: off.
+    pub filter_path: f32,
+    /// `filter.segment`: fall with the difference of last segments' lengths, per scene radius; 0: off.
+    pub filter_segment: f32,
+    /// `filter.plane`: fall with the distance from the tangent plane, per path length; 0: off.
+    pub filter_plane: f32,
+    /// `filter.color`: fall with the difference of albedos; 0: off.
+    pub filter_color: f32,
+    /// `octree.resolution`: cells of the finest level along the scene's largest side, a power of two; `None` (`auto`):
+    /// from the picture's median footprint and `octree.memory`.
+    pub octree_resolution: Option<u32>,
+    /// `octree.memory`: most MiB of an octree whose resolution is `auto`.
+    pub octree_memory: u32,
+    /// `octree.cell`: size of the cell asked for in pixel footprints, above 0.
+    pub octree_cell: f32,
+    /// `octree.jitter`: width of the jitter in cells, 0 (none) to 2.
+    pub octree_jitter: f32,
+    /// `octree.min_samples`: samples below which a coarser cell is asked.
+    pub octree_min_samples: u32,
+    /// `octree.max_climb`: levels at most that a question rises for `octree.min_samples`.
+    pub octree_max_climb: u32,
+    /// `octree.layout`: what a cell stores.
+    pub octree_layout: OctreeLayout,
     /// `grid.cell`: size of a cell in pixel footprints, above 0.
     pub grid_cell: f32,
     /// `grid.jitter`: width of the jitter in cells, 0 (none) to 1.
@@ -84,6 +142,30 @@ impl Default for Settings {
             launcher: Launcher::Rayon,
             roulette_depth: None,
             direct: DirectLight::Cached,
+            crf: 1.0,
+            store: 1,
+            store_length: None,
+            direct_samples: 1,
+            direct_candidates: 1,
+            direct_scattered: 1,
+            reconstruct_samples: 4,
+            denoiser: DenoiserKind::ATrous,
+            filter_passes: 4,
+            filter_radius: 16.0,
+            filter_luminance: 2.0,
+            filter_direct_luminance: 2.0,
+            filter_normal: 5,
+            filter_path: 0.0,
+            filter_segment: 0.0,
+            filter_plane: 100.0,
+            filter_color: 0.0,
+            octree_resolution: None,
+            octree_memory: 1024,
+            octree_cell: 4.0,
+            octree_jitter: 1.0,
+            octree_min_samples: 32,
+            octree_max_climb: 4,
+            octree_layout: OctreeLayout::Exact,
             grid_cell: 24.0,
             grid_jitter: 1.0,
             grid_normal_bins: 3,
@@ -201,6 +283,48 @@ const ROWS: &[Row] = &[
         },
     },
     choice!("cache.direct", direct),
+    number!("cache.crf", crf, 0.05..=8.0),
+    number!("cache.store", store, 1..=MAX_STORE),
+    Row {
+        key: "cache.length",
+        get: |s| s.store_length.map_or("auto".into(), Value::from),
+        set: |s, v| {
+            s.store_length = optional(v, "auto", 0..=MAX_BOUNCES)?;
+            Ok(())
+        },
+    },
+    number!("direct.samples", direct_samples, 1..=256),
+    number!("direct.candidates", direct_candidates, 1..=64),
+    number!("direct.scattered", direct_scattered, 0..=64),
+    number!("reconstruct.samples", reconstruct_samples, 1..=4096),
+    choice!("filter.denoiser", denoiser),
+    number!("filter.passes", filter_passes, 1..=8),
+    number!("filter.radius", filter_radius, 1.0..=256.0),
+    number!("filter.luminance", filter_luminance, 1e-3..=1e6),
+    number!("filter.direct_luminance", filter_direct_luminance, 1e-3..=1e6),
+    number!("filter.normal", filter_normal, 0..=10),
+    number!("filter.path", filter_path, 0.0..=1e9),
+    number!("filter.segment", filter_segment, 0.0..=1e9),
+    number!("filter.plane", filter_plane, 0.0..=1e9),
+    number!("filter.color", filter_color, 0.0..=1e6),
+    Row {
+        key: "octree.resolution",
+        get: |s| s.octree_resolution.map_or("auto".into(), Value::from),
+        set: |s, v| {
+            let resolution = optional(v, "auto", 4..=MAX_RESOLUTION)?;
+            if resolution.is_some_and(|n| !n.is_power_of_two()) {
+                return Err(format!("auto or a power of two from 4 to {MAX_RESOLUTION}"));
+            }
+            s.octree_resolution = resolution;
+            Ok(())
+        },
+    },
+    number!("octree.memory", octree_memory, 1..=1 << 20),
+    number!("octree.cell", octree_cell, 0.01..=10_000.0),
+    number!("octree.jitter", octree_jitter, 0.0..=2.0),
+    number!("octree.min_samples", octree_min_samples, 0..=1 << 24),
+    number!("octree.max_climb", octree_max_climb, 0..=31),
+    choice!("octree.layout", octree_layout),
     number!("grid.cell", grid_cell, 0.01..=10_000.0),
     number!("grid.jitter", grid_jitter, 0.0..=1.0),
     Row {

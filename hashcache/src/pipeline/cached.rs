@@ -1,15 +1,16 @@
-//! Frames with a cache: records in, each pixel's light out.
+//! Frames with a cache or a filter: vertices in, each pixel's light out.
 
 use backend_api::{Binding, Items};
 use hashcache_core::record::VertexRecord;
-use hashcache_core::stages::{CacheStages as _, CastsRays, EstimateRecord};
-use hashgrid::GridStages;
-use pt_integrator::film::FilmPixel;
-use pt_integrator::kernels::{COMPOSE_CACHED, ComposeParams, TRACE_RECORDS};
+use hashcache_core::stages::{CastsRays, EstimateRecord};
+use layered_filter::FilterStages;
+use pt_integrator::camera::CameraRays;
+use pt_integrator::kernels::trace_records;
 
-use super::{Error, Pass, Resident, Work, create, part};
-use crate::choice::DirectLight;
-use crate::grid;
+use super::cache::Cache;
+use super::{Error, Pass, Resident, Work, create, look, part};
+use crate::filter;
+use crate::image_file::Image;
 use crate::preview::{Preview, Progress};
 use crate::settings::Settings;
 use crate::stats::CacheStats;
@@ -17,15 +18,21 @@ use crate::stats::CacheStats;
 /// Vertex records of one batch: 2¹⁹ · 96 bytes stay below 64 MiB and below every device's binding limit.
 const BATCH: u32 = 1 << 19;
 
-/// A cache and the buffers that feed it.
+/// A cache, a filter, and the buffers between them.
 #[derive(Debug)]
 pub(super) struct Cached {
-    grid: GridStages,
+    cache: Cache,
+    filter: FilterStages,
+    /// Paths of the cache pass, by columns and rows.
+    paths: [u32; 2],
+    /// Records of the cache pass; retained until all are taken when they are the picture's own.
     batches: Vec<Batch>,
+    /// Records of a batch of pixels that are only looked at.
+    visible: Binding,
     estimates: Binding,
 }
 
-/// A run of pixels whose records fit one binding.
+/// A run of paths or pixels whose records fit one binding.
 #[derive(Clone, Copy, Debug)]
 struct Batch {
     first: u32,
@@ -34,24 +41,36 @@ struct Batch {
 }
 
 impl Cached {
-    pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview) -> Result<Self, Error> {
-        let pixels = preview.camera().pixels();
-        let mut grid = grid::stages(preview.settings(), preview.camera(), &preview.geometry(), preview.max_radiance())
-            .map_err(|error| Error::of_cache("grid", error))?;
-        grid.prepare(backend)?;
+    pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview, resident: &Resident) -> Result<Self, Error> {
+        let (settings, camera) = (preview.settings(), preview.camera());
+        let cache = Cache::new(backend, preview, resident)?;
+        let of_filter = |error| Error::refused("filter", error);
+        let filter = filter::settings(settings, camera, preview.radius(), settings.direct).map_err(of_filter)?;
+        let mut filter = FilterStages::new(&filter).map_err(of_filter)?;
+        filter.prepare(backend)?;
         backend.submit()?;
-        let mut batches = Vec::new();
-        for first in (0..pixels).step_by(BATCH as usize) {
-            let count = BATCH.min(pixels - first);
-            let records = create(backend, "records", u64::from(count) * size_of::<VertexRecord>() as u64)?;
+
+        let scaled = |side: u32| ((f64::from(side) * f64::from(settings.crf)).round() as u32).max(1);
+        let paths = [scaled(camera.width), scaled(camera.height)];
+        let store = settings.store;
+        let (total, at_once) = (paths[0].saturating_mul(paths[1]), BATCH / store);
+        let mut batches: Vec<Batch> = Vec::new();
+        let retained = reuses_paths(settings);
+        for first in (0..total).step_by(at_once as usize) {
+            let count = at_once.min(total - first);
+            let records = match batches.first() {
+                Some(batch) if !retained => part(batch.records, record_bytes(store), 0, count),
+                _ => create(backend, "records", u64::from(count) * record_bytes(store) as u64)?,
+            };
             batches.push(Batch { first, count, records });
         }
-        let largest = batches.iter().map(|batch| batch.count).max().unwrap_or(0);
-        let estimates = create(backend, "estimates", u64::from(largest) * size_of::<EstimateRecord>() as u64)?;
-        Ok(Self { grid, batches, estimates })
+        let pixels = camera.pixels().min(BATCH);
+        let visible = create(backend, "visible", u64::from(pixels) * record_bytes(1) as u64)?;
+        let estimates = create(backend, "estimates", u64::from(pixels) * size_of::<EstimateRecord>() as u64)?;
+        Ok(Self { cache, filter, paths, batches, visible, estimates })
     }
 
-    /// One sample a pixel at a time: records into the cache, then each pixel's light from it.
+    /// Fills the cache by `spp` paths a pixel, then looks at each pixel as often as the settings say, then filters.
     #[expect(clippy::too_many_arguments, reason = "one call, all of them borrowed from the caller")]
     pub fn frame<B: CastsRays>(
         &mut self,
@@ -59,23 +78,42 @@ impl Cached {
         pass: &Pass<'_>,
         preview: &Preview,
         moved: bool,
-        traced: u32,
+        first_sample: u32,
         work: &mut Work,
         progress: &mut dyn FnMut(Progress),
-    ) -> Result<(), Error> {
+    ) -> Result<Image, Error> {
         if moved {
-            let params = grid::params(pass.settings, pass.camera, &preview.geometry(), preview.max_radiance());
-            self.grid.set_params(params.map_err(|error| Error::of_cache("grid", error))?);
+            self.cache.look_from(preview, pass.camera)?;
+            let angle = CameraRays::new(pass.camera).pixel_angle();
+            self.filter.set_pixel_angle(angle).map_err(|error| Error::refused("filter", error))?;
+            work.stage(backend, "reconstruct", |backend| self.filter.clear(backend))?;
         }
-        let total = pass.settings.spp;
-        for sample in 0..total {
-            self.sample(backend, pass, traced.wrapping_add(sample), work)?;
-            progress(Progress { stage: "trace", done: sample + 1, total });
+        let spp = pass.settings.spp;
+        let shown = samples(pass.settings);
+        let total = spp + shown;
+        for sample in 0..spp {
+            self.fill(backend, pass, first_sample.wrapping_add(sample), work)?;
+            progress(Progress { stage: "cache", done: sample + 1, total });
         }
-        Ok(())
+        for sample in 0..shown {
+            let index = first_sample.wrapping_add(sample);
+            if sample + 1 == spp && reuses_paths(pass.settings) {
+                for k in 0..self.batches.len() {
+                    let Batch { first, count, records } = self.batches[k];
+                    self.show(backend, records, first, count, work)?;
+                }
+            } else {
+                self.look(backend, pass, index, work)?;
+            }
+            progress(Progress { stage: "reconstruct", done: spp + sample + 1, total });
+        }
+        work.stage(backend, "filter", |backend| self.filter.filter(backend))?;
+        let radiance = self.filter.radiance().ok_or(backend_api::Error::UnknownBuffer { at: "lf.radiance" })?;
+        Ok(pass.picture(&super::read(backend, radiance)?))
     }
 
-    fn sample<B: CastsRays>(
+    /// One path of every pixel of the cache pass into the cache.
+    fn fill<B: CastsRays>(
         &mut self,
         backend: &mut B,
         pass: &Pass<'_>,
@@ -83,35 +121,76 @@ impl Cached {
         work: &mut Work,
     ) -> Result<(), Error> {
         let Resident { triangles, scene, texels, counters, .. } = pass.resident;
+        let store = pass.settings.store;
+        let kernel = trace_records(store).ok_or(Error::Setting("cache.store"))?;
         for batch in &self.batches {
-            let params = pass.trace_params(batch.first, sample, 1);
+            let mut params = pass.trace_params(batch.first, sample, 1);
+            params.camera = params.camera.with_size([pass.camera.width, pass.camera.height], self.paths);
+            params.width = self.paths[0];
             let bindings = [triangles, scene, texels, batch.records, counters];
             work.stage(backend, "trace", |backend| {
-                backend.dispatch(&TRACE_RECORDS, bytemuck::bytes_of(&params), &bindings, Items::Count(batch.count))
+                backend.dispatch(kernel, bytemuck::bytes_of(&params), &bindings, Items::Count(batch.count))
             })?;
-            work.stage(backend, "update", |backend| self.grid.record(backend, batch.records, batch.count))?;
+            work.stage(backend, "update", |backend| self.cache.record(backend, batch.records, batch.count * store))?;
         }
-        work.stage(backend, "update", |backend| self.grid.update(backend))?;
-        let direct_from_record = u32::from(pass.settings.direct == DirectLight::Traced);
-        let compose = ComposeParams { direct_from_record, reserved: [0; 3] };
-        for batch in &self.batches {
-            let estimates = part(self.estimates, size_of::<EstimateRecord>(), 0, batch.count);
-            work.stage(backend, "query", |backend| self.grid.query(backend, batch.records, estimates, batch.count))?;
-            let film = part(pass.film, size_of::<FilmPixel>(), batch.first, batch.count);
-            let bindings = [batch.records, estimates, film];
-            work.stage(backend, "compose", |backend| {
-                backend.dispatch(&COMPOSE_CACHED, bytemuck::bytes_of(&compose), &bindings, Items::Count(batch.count))
+        work.stage(backend, "update", |backend| self.cache.update(backend))?;
+        Ok(())
+    }
+
+    /// One sample of every pixel's surface, answered by the cache.
+    fn look<B: CastsRays>(
+        &mut self,
+        backend: &mut B,
+        pass: &Pass<'_>,
+        sample: u32,
+        work: &mut Work,
+    ) -> Result<(), Error> {
+        for first in (0..pass.resident.pixels).step_by(BATCH as usize) {
+            let count = BATCH.min(pass.resident.pixels - first);
+            let records = part(self.visible, record_bytes(1), 0, count);
+            let params = look::params(pass, first, sample);
+            work.stage(backend, "reconstruct", |backend| {
+                look::dispatch(backend, &pass.resident, &params, records, count)
             })?;
+            self.show(backend, records, first, count, work)?;
         }
         Ok(())
     }
 
-    pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {
-        self.grid.clear(backend)?;
-        Ok(backend.submit()?)
+    /// Answers records by the cache and adds them to their pixels.
+    fn show<B: CastsRays>(
+        &mut self,
+        backend: &mut B,
+        records: Binding,
+        first: u32,
+        count: u32,
+        work: &mut Work,
+    ) -> Result<(), Error> {
+        let estimates = part(self.estimates, size_of::<EstimateRecord>(), 0, count);
+        work.stage(backend, "query", |backend| self.cache.query(backend, records, estimates, count))?;
+        work.stage(backend, "gather", |backend| self.filter.gather(backend, records, 1, estimates, 1, first, count))?;
+        Ok(())
     }
 
-    pub fn stats<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<CacheStats, Error> {
-        grid::stats(backend, &self.grid, settings)
+    pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {
+        self.cache.wipe(backend)
     }
+
+    pub fn stats<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<Option<CacheStats>, Error> {
+        self.cache.stats(backend, settings)
+    }
+}
+
+/// Samples that show a pixel's surfaces in one frame.
+pub(super) fn samples(settings: &Settings) -> u32 {
+    settings.spp.max(settings.reconstruct_samples)
+}
+
+/// Whether the first vertices of a frame's last paths are also samples of the picture: they are one a pixel.
+fn reuses_paths(settings: &Settings) -> bool {
+    settings.store == 1 && settings.crf.to_bits() == 1.0_f32.to_bits()
+}
+
+const fn record_bytes(store: u32) -> usize {
+    store as usize * size_of::<VertexRecord>()
 }

@@ -1,10 +1,11 @@
 //! One pipeline for every backend: runs a plan, frame after frame.
 
 mod buffers;
+mod cache;
 mod cached;
+mod look;
 
 use backend_api::{Backend, Binding, Error as BackendError, Items, Primitive};
-use hashcache_core::error::ParamError;
 use hashcache_core::stages::CastsRays;
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
@@ -13,7 +14,7 @@ use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
 use pt_integrator::scene::Camera;
 
-use crate::choice::CacheKind;
+use crate::choice::{CacheKind, FilterKind};
 use crate::error::Error as Told;
 use crate::image_file::Image;
 use crate::preview::{Preview, Progress};
@@ -31,7 +32,8 @@ const PATHS_PER_SUBMIT: u64 = 1 << 21;
 #[derive(Debug)]
 pub(crate) enum Error {
     Backend(BackendError),
-    Cache { kind: &'static str, reason: String },
+    Refused { what: &'static str, reason: String },
+    Setting(&'static str),
 }
 
 impl From<BackendError> for Error {
@@ -41,9 +43,9 @@ impl From<BackendError> for Error {
 }
 
 impl Error {
-    /// A cache's refusal of its parameters.
-    pub fn of_cache(kind: &'static str, error: ParamError) -> Self {
-        Self::Cache { kind, reason: error.to_string() }
+    /// A part's refusal of its parameters.
+    pub fn refused(what: &'static str, error: impl ToString) -> Self {
+        Self::Refused { what, reason: error.to_string() }
     }
 
     /// As the caller of the library reads it.
@@ -51,7 +53,8 @@ impl Error {
         match self {
             Self::Backend(BackendError::OutOfMemory { size }) => Told::OutOfMemory { what: "the frame", bytes: size },
             Self::Backend(error) => Told::Backend { backend, error },
-            Self::Cache { kind, reason } => Told::Cache { kind, reason },
+            Self::Refused { what, reason } => Told::Refused { what, reason },
+            Self::Setting(what) => Told::Refused { what, reason: "out of range".to_owned() },
         }
     }
 }
@@ -64,7 +67,7 @@ pub(crate) struct Pipeline {
     cached: Option<Cached>,
     /// The camera of the last frame.
     camera: Option<Camera>,
-    /// Samples a pixel traced so far, in all frames: each takes fresh points of the sequence.
+    /// Points of a pixel's sequence that earlier frames took.
     traced: u32,
     /// Factor on all lights.
     light: f32,
@@ -94,10 +97,9 @@ impl Pipeline {
             pixels,
         };
         let film = create(backend, "film", u64::from(pixels) * size_of::<FilmPixel>() as u64)?;
-        let cached = match preview.settings().cache {
-            CacheKind::None => None,
-            CacheKind::Grid => Some(Cached::new(backend, preview)?),
-        };
+        let settings = preview.settings();
+        let plain = settings.cache == CacheKind::None && settings.filter == FilterKind::None;
+        let cached = if plain { None } else { Some(Cached::new(backend, preview, &resident)?) };
         Ok(Self { resident, film, cached, camera: None, traced: 0, light: 1.0 })
     }
 
@@ -121,14 +123,18 @@ impl Pipeline {
         }
         let before = self.resident.ray_counts(backend)?;
         let pass = Pass { resident: self.resident, film: self.film, camera, settings: preview.settings() };
-        match &mut self.cached {
-            None => paths(backend, &pass, self.traced, work, progress)?,
-            Some(cached) => cached.frame(backend, &pass, preview, moved, self.traced, work, progress)?,
-        }
-        let spp = preview.settings().spp;
-        self.traced = self.traced.wrapping_add(spp);
-        work.samples = spp;
-        let image = pass.resolve(backend, work)?;
+        let (image, used) = match &mut self.cached {
+            None => {
+                paths(backend, &pass, self.traced, work, progress)?;
+                (pass.resolve(backend, work)?, pass.settings.spp)
+            }
+            Some(cached) => {
+                let image = cached.frame(backend, &pass, preview, moved, self.traced, work, progress)?;
+                (image, cached::samples(pass.settings))
+            }
+        };
+        self.traced = self.traced.wrapping_add(used);
+        work.samples = pass.settings.spp;
         let counts = self.resident.ray_counts(backend)?;
         work.rays = Rays {
             closest: counts.closest - before.closest,
@@ -150,10 +156,7 @@ impl Pipeline {
             return Ok(());
         }
         let scaled = preview.packed_with_light(factor);
-        let bytes = scaled
-            .as_ref()
-            .map(PackedScene::scene_bytes)
-            .map_err(|reason| Error::Cache { kind: "light", reason: reason.clone() })?;
+        let bytes = scaled.as_ref().map(PackedScene::scene_bytes).map_err(|reason| Error::refused("light", reason))?;
         backend.write(self.resident.scene.buffer, 0, bytes)?;
         self.light = factor;
         // The next frame starts new sums even if the camera rests.
@@ -178,7 +181,7 @@ impl Pipeline {
         backend: &mut B,
         preview: &Preview,
     ) -> Result<Option<CacheStats>, Error> {
-        self.cached.as_mut().map(|cached| cached.stats(backend, preview.settings())).transpose()
+        self.cached.as_mut().map_or(Ok(None), |cached| cached.stats(backend, preview.settings()))
     }
 }
 
