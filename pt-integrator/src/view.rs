@@ -43,6 +43,7 @@ impl<'a> SceneView<'a> {
             row_density: section(words, header.environment_row_density)?,
             rows: section(words, header.environment_rows)?,
             columns: section(words, header.environment_columns)?,
+            guides: section(words, header.environment_guides)?,
         };
         Some(Self {
             header,

@@ -9,7 +9,7 @@ use common::chi2;
 use common::scenes::{add_triangles, quad};
 use hashcache_core::traits::Sampler;
 use pt_integrator::glam::Vec3;
-use pt_integrator::light::{EnvironmentTables, build_alias, luminance, pick_alias};
+use pt_integrator::light::{EnvironmentTables, build_alias, guide_buckets, luminance, pick_alias};
 use pt_integrator::packed::PackedScene;
 use pt_integrator::sampler::Independent;
 use pt_integrator::sampling::{cosine_pdf, sample_cosine, sample_triangle};
@@ -176,4 +176,26 @@ fn triangle_lights() {
         assert_eq!(light.sample(from + 2.0 * Vec3::Y, draw.next_2d()), None, "seen from behind");
     }
     chi2::check("lamp", &counts, &[f64::from(SAMPLES) / (N * N) as f64; N * N]);
+}
+
+/// A guide's entries are the first ones above its buckets' starts, so that a search from there finds what a search
+/// through the whole table finds.
+#[test]
+fn environment_guides_begin_before_every_answer() {
+    for (width, height) in [(1, 1), (3, 2), (4, 5), (37, 9), (64, 3)] {
+        let dark = |x: u32, y: u32| x * 7 % 5 == 0 || y == 1;
+        let texel = |i: u32| if dark(i % width, i / width) { [0.0; 4] } else { [(i * i % 97) as f32; 4] };
+        let texels = (0..width * height).map(texel).chain([[1.0; 4]]).skip(1).collect();
+        let image = EnvironmentImage { width, height, texels };
+        let tables = EnvironmentTables::new(&image).expect("its last texel shines");
+        let buckets = guide_buckets(width as usize);
+        assert_eq!(tables.guides.len(), (height as usize + 2) * buckets);
+        let searched = tables.columns.chunks(width as usize).chain([&tables.rows[..]]);
+        for (table, guides) in searched.zip(tables.guides.chunks(buckets)) {
+            for (bucket, &first) in guides.iter().enumerate() {
+                let start = bucket as f32 / buckets as f32;
+                assert_eq!(Some(first as usize), table.iter().position(|&x| x > start));
+            }
+        }
+    }
 }

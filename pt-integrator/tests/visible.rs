@@ -97,12 +97,12 @@ fn direct_light_is_the_path_tracers() {
             let ray = ray_towards(Vec3::new(-0.9, 0.1, -0.8), towards.normalize());
             let path = PathSettings { max_bounces: 1, ..PathSettings::default() };
             let mut counts = RayCounts::default();
-            let whole: Vec<PathOutcome> = (0..40_000)
+            let whole: Vec<PathOutcome> = (0..16_000)
                 .map(|i| trace_path(&view, &caster, &mut Independent::new(i, 3), &ray, &path, &mut counts))
                 .collect();
             let (expected, sigma) = mean_and_error(whole.iter().map(|o| o.direct));
             for direct in SETTINGS {
-                let (seen, counts) = visible(&scene, &ray, direct, 40_000 / (direct.all() + direct.scattered).max(4));
+                let (seen, counts) = visible(&scene, &ray, direct, 16_000 / (direct.all() + direct.scattered).max(4));
                 let (mean, error) = mean_and_error(seen.iter().map(|o| o.direct));
                 let bound = 4.5 * sigma.hypot(error) + 1e-5 * expected;
                 assert!((mean - expected).abs() < bound, "{what}, {direct:?}: {mean} ± {error}, not {expected}");

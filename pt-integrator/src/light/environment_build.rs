@@ -5,11 +5,11 @@ use alloc::vec::Vec;
 use glam::Vec3;
 use hashcache_core::float;
 
-use super::{EnvironmentView, luminance};
+use super::{EnvironmentView, guide_buckets, luminance};
 use crate::scene::EnvironmentImage;
 
 /// Cumulative probabilities of an environment image's patches.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct EnvironmentTables {
     /// See [`EnvironmentView::row_density`].
     pub row_density: Vec<f32>,
@@ -17,6 +17,8 @@ pub struct EnvironmentTables {
     pub rows: Vec<f32>,
     /// See [`EnvironmentView::columns`].
     pub columns: Vec<f32>,
+    /// See [`EnvironmentView::guides`].
+    pub guides: Vec<u32>,
     /// Integral of the luminance over all directions (times the sine's mean over rows), in the image's unit times
     /// steradian.
     pub flux: f64,
@@ -61,7 +63,12 @@ impl EnvironmentTables {
         }
         let flux = total * 2.0 * core::f64::consts::PI * core::f64::consts::PI;
         let row_density = mean_sines.iter().map(|s| (s / flux) as f32).collect();
-        Some(Self { row_density, rows, columns, flux })
+        let buckets = guide_buckets(width);
+        let mut guides = Vec::with_capacity(buckets * (height + 2));
+        for table in columns.chunks_exact(width).chain([rows.as_slice()]) {
+            guide(table, buckets, &mut guides);
+        }
+        Some(Self { row_density, rows, columns, guides, flux })
     }
 
     /// The image with its tables, ready to be sampled.
@@ -73,6 +80,7 @@ impl EnvironmentTables {
             row_density: &self.row_density,
             rows: &self.rows,
             columns: &self.columns,
+            guides: &self.guides,
         }
     }
 }
@@ -82,6 +90,20 @@ fn sine_integral(top: f64, bottom: f64) -> f64 {
     let half = core::f64::consts::FRAC_PI_2;
     let sin = |x: f64| f64::from(float::sin(x as f32));
     2.0 * sin((top + bottom) * half) * sin((bottom - top) * half) / core::f64::consts::PI
+}
+
+/// Appends, for each of `buckets` equal parts of `[0, 1)`, the first entry of a cumulative table that is above the
+/// part's start.
+fn guide(cumulative: &[f32], buckets: usize, guides: &mut Vec<u32>) {
+    let mut entry = 0;
+    for bucket in 0..buckets {
+        let start = bucket as f32 / buckets as f32;
+        // The last entry is 1, above every start.
+        while cumulative[entry] <= start {
+            entry += 1;
+        }
+        guides.push(entry as u32);
+    }
 }
 
 /// Appends the weights' running sums over their total and returns the total.

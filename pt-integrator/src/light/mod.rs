@@ -13,7 +13,7 @@ mod triangle;
 #[cfg(feature = "alloc")]
 pub use alias::build_alias;
 pub use alias::{AliasEntry, pick_alias};
-pub use environment::{EnvironmentSample, EnvironmentView};
+pub use environment::{EnvironmentSample, EnvironmentView, guide_buckets};
 #[cfg(feature = "alloc")]
 pub use environment_build::EnvironmentTables;
 #[cfg(feature = "alloc")]

@@ -12,7 +12,7 @@ pub struct Section {
     pub count: u32,
 }
 
-/// Where everything is, and the numbers that belong to the whole scene. 128 bytes.
+/// Where everything is, and the numbers that belong to the whole scene. 144 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SceneHeader {
@@ -48,4 +48,8 @@ pub struct SceneHeader {
     pub environment_rows: Section,
     /// [`crate::light::EnvironmentView::columns`].
     pub environment_columns: Section,
+    /// [`crate::light::EnvironmentView::guides`].
+    pub environment_guides: Section,
+    /// Zero.
+    pub padding: [u32; 2],
 }

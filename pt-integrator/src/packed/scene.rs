@@ -138,7 +138,7 @@ impl Words {
         const HEADER_WORDS: usize = size_of::<SceneHeader>() / 4;
         self.0.resize(HEADER_WORDS, 0);
         let no_image = EnvironmentImage { width: 0, height: 0, texels: Vec::new() };
-        let no_tables = EnvironmentTables { row_density: Vec::new(), rows: Vec::new(), columns: Vec::new(), flux: 0.0 };
+        let no_tables = EnvironmentTables { flux: 0.0, ..EnvironmentTables::default() };
         let constant_environment = match &scene.environment {
             Some(Environment::Constant([r, g, b])) => [*r, *g, *b, 0.0],
             _ => [0.0; 4],
@@ -164,6 +164,8 @@ impl Words {
             environment_row_density: self.section(&tables.row_density),
             environment_rows: self.section(&tables.rows),
             environment_columns: self.section(&tables.columns),
+            environment_guides: self.section(&tables.guides),
+            padding: [0; 2],
         };
         let limit = u64::from(u32::MAX);
         if self.0.len() as u64 > limit {
