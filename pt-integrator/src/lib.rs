@@ -30,22 +30,25 @@
 //! - [`path::trace_path`] traces one path with any ray caster and sampler and returns a [`path::PathOutcome`]: the
 //!   first vertex, and the path's light split into `emitted`, `direct` and `further`, so that
 //!   radiance = emitted + throughput·(direct + further). `direct` and `further` hold no albedo of the vertex.
+//! - [`path::trace_path_vertices`] keeps up to eight vertices of a path, each with the light that the rest of the path
+//!   brings to it: more for a cache from the same rays. [`path::trace_visible`] finds first vertices and their direct
+//!   light only: what a pixel asks a cache with.
 //! - Every vertex samples one emitter (next event) and one direction (scattering); both are weighted by the power
-//!   heuristic. Triangles are chosen by power through an alias table, points on them by area, directions to an
+//!   heuristic. ([`path::DirectSettings`] has other numbers.) Triangles are chosen by power through an alias table, points on them by area, directions to an
 //!   environment image in proportion to its bilinear luminance. A constant environment is found by scattering alone,
 //!   which is in proportion to it.
 //! - Surfaces are two-sided Lambert; the side is that of the shading normal. Emitters shine from the triangle's front,
 //!   or from both sides when their material says so, and shade with the triangle's own normal.
 //! - [`scene::Needs`] says which features a scene uses; the loop is compiled once for each set.
-//! - [`kernels`](self#features) wrap the functions for a backend: pixels → film, pixels → records, records (and a
-//!   cache's answers) → film, film → image.
+//! - [`kernels`](self#features) wrap the functions for a backend: pixels → film, pixels → records, pixels → vertices
+//!   that ask, records (and a cache's answers) → film, film → image.
 //!
 //! # Features
 //! None by default: tracing over borrowed slices. `alloc`: scenes and packing. `kernels`: kernels for
 //! `hashcache-backend-api`, and WGSL.
 //!
 //! # Memory
-//! 80 bytes a triangle, 112 an instance, 48 a material, 88 an emitting triangle, 20 a texel of an environment image;
+//! 80 bytes a triangle, 112 an instance, 48 a material, 88 an emitting triangle, 21 a texel of an environment image;
 //! 32 bytes a pixel of film. A million triangles at 1920×1080: 80 MB and 66 MB.
 //!
 //! # Determinism
@@ -60,7 +63,8 @@
 //! # Sources
 //! Keys of `REFERENCES.md`: Kajiya 1986, Veach 1997 (light transport), Burley 2020, Laine & Karras 2011,
 //! Ahmed 2024, Jarzynski & Olano 2020 (samplers), Duff et al. 2017 (basis), Shirley & Chiu 1997, Heitz 2019, Vose 1991,
-//! Pharr et al. 2023 (sampling), Wächter & Binder 2019 (ray origins), Kahan 1965 (film).
+//! Pharr et al. 2023 (sampling), Chen & Asau 1974, Talbot et al. 2005, Möller & Trumbore 1997 (emitters), Roth et al.
+//! 2020 (several vertices of a path), Wächter & Binder 2019 (ray origins), Kahan 1965 (film).
 #![no_std]
 
 #[cfg(feature = "alloc")]

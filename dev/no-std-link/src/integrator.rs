@@ -6,9 +6,10 @@ use hashcache_core::glam::{Vec2, Vec3};
 use hashcache_core::traits::Sampler;
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
-use pt_integrator::light::{EnvironmentView, luminance};
+use pt_integrator::light::{EnvironmentView, luminance, may_meet_emitter};
 use pt_integrator::packed::{SceneHeader, SceneTriangle};
-use pt_integrator::path::{PathSettings, RayCounts, trace_path};
+use pt_integrator::path::{DirectSettings, PathOutcome, PathSettings, RayCounts, VertexSettings};
+use pt_integrator::path::{trace_path, trace_path_vertices, trace_visible};
 use pt_integrator::sampler::{Independent, Sobol, pixel_seed, vertex_seed};
 use pt_integrator::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine, sample_triangle};
 use pt_integrator::scene::{Camera, Material, Texture};
@@ -58,9 +59,21 @@ fn path(checks: &mut Checks) {
         let record = outcome.record(rays.pixel_angle(), vertex_seed(seed, index));
         checks.that("trace_path", (record.radiance() - Vec3::splat(0.5)).abs().max_element() < 1e-5);
         pixel.add(outcome.radiance());
+
+        let mut kept = [PathOutcome::NONE; 2];
+        let mut again = Sobol::new(index, seed);
+        let ray = rays.with_size([2, 2], [2, 2]).ray([1, 1], again.next_2d());
+        let whole = VertexSettings::new(settings);
+        trace_path_vertices(&scene, &Floor, &mut again, &ray, &whole, &mut kept, &mut counts);
+        checks.that("trace_path_vertices", kept == [outcome, PathOutcome::NONE]);
+        let direct = DirectSettings { samples: 1, ..DirectSettings::NONE }.for_scene(&scene);
+        let numbers = |_, i| Sobol::new(i, seed);
+        let seen = trace_visible(&scene, &Floor, &ray, &direct, numbers, &mut counts);
+        checks.that("trace_visible", (seen.direct - Vec3::ONE).abs().max_element() < 1e-5);
+        checks.that("may_meet_emitter", !may_meet_emitter(scene.lights, &ray));
     }
     checks.that("FilmPixel", (pixel.mean().x - 0.5).abs() < 1e-5);
-    checks.that("RayCounts", RayCounts::from_words(counts.to_words()) == counts && counts.paths == 4);
+    checks.that("RayCounts", RayCounts::from_words(counts.to_words()) == counts && counts.paths == 12);
     checks.that("luminance", (luminance(black_box(Vec3::ONE)) - 1.0).abs() < 1e-6);
 }
 

@@ -17,7 +17,8 @@ use hashgrid::{CELL_WORDS, OwnedGrid};
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::kernels::{
-    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, RESOLVE, TRACE_FILM, TRACE_RECORDS, TraceParams,
+    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, RESOLVE, TRACE_FILM, TRACE_VISIBLE, TraceParams, VisibleParams,
+    trace_records,
 };
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
@@ -88,13 +89,28 @@ fn traced(checks: &mut Checks) -> Option<Vec<VertexRecord>> {
         roulette_depth: settings.roulette_depth,
         store_length: u32::MAX,
     };
-    let params = bytemuck::bytes_of(&params);
+    let visible = VisibleParams {
+        camera: params.camera,
+        width: 2,
+        first_pixel: 0,
+        sample: 0,
+        seed: 1,
+        direct_samples: 1,
+        direct_candidates: 1,
+        direct_scattered: 1,
+        reserved: 0,
+    };
+    let (params, visible) = (bytemuck::bytes_of(&params), bytemuck::bytes_of(&visible));
     let counters = words(RayCounts::WORDS);
     let mut film = [FilmPixel::default(); PIXELS as usize];
     let mut records: Vec<VertexRecord> = vec![Zeroable::zeroed(); PIXELS as usize];
-    for (kernel, out) in [
-        (&TRACE_FILM, bytemuck::cast_slice_mut(&mut film)),
-        (&TRACE_RECORDS, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut records)),
+    let mut asked = records.clone();
+    let mut pairs: Vec<VertexRecord> = vec![Zeroable::zeroed(); 2 * PIXELS as usize];
+    for (kernel, params, out) in [
+        (&TRACE_FILM, params, bytemuck::cast_slice_mut(&mut film)),
+        (trace_records(2)?, params, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut pairs)),
+        (trace_records(1)?, params, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut records)),
+        (&TRACE_VISIBLE, visible, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut asked)),
     ] {
         let slots = [
             Slot::In(packed.triangle_bytes()),
@@ -106,7 +122,9 @@ fn traced(checks: &mut Checks) -> Option<Vec<VertexRecord>> {
         checks.that(kernel.name, launch(kernel, params, PIXELS, slots) == Status::OK);
     }
     checks.that("pt film", film.iter().all(|pixel| is_half(pixel) && pixel.mean().w > 1.5));
-    checks.that("pt records", records.iter().all(VertexRecord::is_valid));
+    checks.that("pt records", records.iter().all(VertexRecord::is_recordable));
+    checks.that("pt kept", pairs.chunks(2).zip(&records).all(|(pair, first)| pair[0] == *first && !pair[1].is_valid()));
+    checks.that("pt visible", asked.iter().all(|v| v.is_valid() && !v.is_recordable() && v.direct[0] > 0.5));
 
     let mut composed = [FilmPixel::default(); PIXELS as usize];
     let slots = [Slot::In(bytemuck::cast_slice(&records)), Slot::Out(bytemuck::cast_slice_mut(&mut composed))];

@@ -13,7 +13,7 @@ use crate::view::SceneView;
 /// The three buffers of a scene.
 ///
 /// # Memory
-/// 80 bytes a triangle, 112 an instance, 48 a material, 88 an emitting triangle, 20 a texel of the environment image.
+/// 80 bytes a triangle, 112 an instance, 48 a material, 88 an emitting triangle, 21 a texel of the environment image.
 /// A million triangles: 80 MB.
 ///
 /// ```

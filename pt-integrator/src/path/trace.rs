@@ -87,7 +87,10 @@ pub const MAX_STORED: usize = 8;
 /// with the whole path and counted. Adds to `counts`.
 ///
 /// # Source
-/// Roth et al. 2020, eq. 1. # Deviation: there, next-event light is scattered at x_j once too often.
+/// Roth et al. 2020, eq. 1.
+///
+/// # Deviation
+/// Their equation scatters next-event light at x_j once too often.
 ///
 /// # Panics
 /// As [`trace_path`].
