@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use hashcache::image_file::{self, Image};
-use image_metrics::{Error, ImageView, energy_ratio, ms_ssim, mse, psnr, rel_mse, rel_mse_trimmed};
+use image_metrics::{Error, ImageView, energy_ratio, mse, psnr};
 use serde::Serialize;
 
 use crate::args::Compare;
 use crate::failure::Failure;
+use crate::figures::{self, Figures};
 
 /// What is printed. Its JSON keys are stable; more may stand beside them.
 #[derive(Serialize)]
@@ -17,15 +18,11 @@ struct Report {
     reference: String,
     width: u32,
     height: u32,
-    relmse: f64,
-    relmse_trimmed: f64,
+    #[serde(flatten)]
+    figures: Figures,
     mse: f64,
     /// None when a screen shows the same.
     psnr_db: Option<f64>,
-    /// None below 176×176 pixels.
-    ms_ssim: Option<f64>,
-    /// None when the reference alone is black.
-    energy_ratio: Option<f64>,
     energy_ratio_rgb: [Option<f64>; 3],
 }
 
@@ -42,30 +39,22 @@ pub fn run(args: &Compare) -> Result<String, Failure> {
 }
 
 fn view<'a>(path: &Path, image: &'a Image) -> Result<ImageView<'a>, Failure> {
-    ImageView::new(image.width as usize, image.height as usize, &image.pixels)
+    figures::view(image)
         .map_err(|error| Failure::other(format!("{}: {error}; such an image has no error to measure", path.display())))
 }
 
 impl Report {
     fn new(args: &Compare, image: ImageView, reference: ImageView) -> Result<Self, Error> {
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
-        let energy = energy_ratio(image, reference)?;
-        let ms_ssim = match ms_ssim(image, reference) {
-            Err(Error::TooSmall { .. }) => None,
-            other => Some(other?),
-        };
         Ok(Self {
             image: args.image.display().to_string(),
             reference: args.reference.display().to_string(),
             width: image.width() as u32,
             height: image.height() as u32,
-            relmse: rel_mse(image, reference)?,
-            relmse_trimmed: rel_mse_trimmed(image, reference)?,
+            figures: Figures::measure(image, reference)?,
             mse: mse(image, reference)?,
             psnr_db: finite(psnr(image, reference)?),
-            ms_ssim,
-            energy_ratio: finite(energy.whole),
-            energy_ratio_rgb: energy.channels.map(finite),
+            energy_ratio_rgb: energy_ratio(image, reference)?.channels.map(finite),
         })
     }
 
@@ -74,16 +63,18 @@ impl Report {
             value.map_or(otherwise.to_owned(), |value| format!("{value:.decimals$}"))
         };
         let [r, g, b] = self.energy_ratio_rgb.map(|ratio| or(ratio, 6, "none"));
+        let Figures { relmse, relmse_trimmed, ms_ssim, flip, energy_ratio } = self.figures;
         let mut text = String::new();
         let mut row = |name: &str, value: &str| {
             let _ = writeln!(text, "{name:<16}{value}");
         };
-        row("relMSE", &figure(self.relmse));
-        row("  less 0.1 %", &format!("{} (without the worst 0.1 % of pixels)", figure(self.relmse_trimmed)));
+        row("relMSE", &figure(relmse));
+        row("  less 0.1 %", &format!("{} (without the worst 0.1 % of pixels)", figure(relmse_trimmed)));
         row("MSE", &figure(self.mse));
         row("PSNR", &self.psnr_db.map_or("infinite: equal on a screen".to_owned(), |db| format!("{db:.3} dB")));
-        row("MS-SSIM", &or(self.ms_ssim, 6, "none: it needs 176x176 pixels"));
-        row("energy ratio", &format!("{} (red {r}, green {g}, blue {b})", or(self.energy_ratio, 6, "none")));
+        row("MS-SSIM", &or(ms_ssim, 6, "none: it needs 176x176 pixels"));
+        row("FLIP", &format!("{} (67 pixels a degree)", figure(flip)));
+        row("energy ratio", &format!("{} (red {r}, green {g}, blue {b})", or(energy_ratio, 6, "none")));
         text
     }
 }
