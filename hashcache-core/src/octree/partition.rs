@@ -57,10 +57,11 @@ impl Partition {
         workers: &dyn Workers,
     ) -> Result<Self, BuildError> {
         let maps = 1 << (3 * grid.maps_log2);
+        let slots = first_slots(grid, triangles);
         let mut finest = Vec::with_capacity(maps as usize);
         let mut cells = 0;
         for map in 0..maps {
-            let (blocks, found) = voxelise(grid, map, triangles, max_cells - cells, workers)?;
+            let (blocks, found) = voxelise(grid, map, triangles, slots, max_cells - cells, workers)?;
             cells += found;
             finest.push(blocks);
         }
@@ -124,6 +125,9 @@ pub(crate) fn map_window(grid: &Grid, map: u32) -> Window {
     Window { low, high: low.map(|v| (v + (1 << MAP_BITS)).min(grid.side(0))) }
 }
 
+/// Words that a table has at most to begin with, 64 MiB: where triangles share blocks, far fewer are needed.
+const MOST_FIRST_SLOTS: u64 = 1 << 23;
+
 /// Triangles voxelised between two looks at the table's load.
 const ROUND: u32 = 1 << 16;
 
@@ -135,12 +139,12 @@ fn voxelise(
     grid: &Grid,
     map: u32,
     triangles: &Triangles<'_>,
+    slots: u64,
     max_cells: u64,
     workers: &dyn Workers,
 ) -> Result<(Vec<Block>, u64), BuildError> {
     let window = map_window(grid, map);
-    let most = max_cells.saturating_mul(2).max(1 << 12);
-    let mut words = zeroed(expected_blocks(grid, triangles).saturating_mul(2).clamp(1 << 12, most));
+    let mut words = zeroed(slots);
     let (mut cells, mut blocks, mut first) = (0, 0, 0);
     while first < triangles.count() {
         let batch = first..triangles.count().min(first.saturating_add(ROUND));
@@ -172,8 +176,8 @@ fn zeroed(words: u64) -> Vec<AtomicU64> {
     (0..words).map(|_| AtomicU64::new(0)).collect()
 }
 
-/// Blocks that so many triangles of such an area would have if none shared any: an upper bound, nearly.
-fn expected_blocks(grid: &Grid, triangles: &Triangles<'_>) -> u64 {
+/// Words to begin with: twice the blocks that triangles of such an area have when they share few, within bounds.
+fn first_slots(grid: &Grid, triangles: &Triangles<'_>) -> u64 {
     let area: f64 = triangles
         .range(0..triangles.count())
         .map(|(_, corners)| {
@@ -183,7 +187,7 @@ fn expected_blocks(grid: &Grid, triangles: &Triangles<'_>) -> u64 {
         })
         .filter(|area| area.is_finite())
         .sum();
-    area as u64 / 8 + u64::from(triangles.count() / 8)
+    (area as u64 / 4).saturating_add(u64::from(triangles.count() / 4)).clamp(1 << 12, MOST_FIRST_SLOTS)
 }
 
 /// A table of twice as many words with the same marks.

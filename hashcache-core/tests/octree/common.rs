@@ -69,3 +69,16 @@ fn clip(polygon: &[[f64; 3]], distance: impl Fn(&[f64; 3]) -> f64) -> Vec<[f64; 
     }
     kept
 }
+
+/// A wavy sheet of `n`×`n` squares, two triangles each, with holes.
+pub fn sheet(n: u16) -> Scene {
+    let at = |i: u16, j: u16| {
+        let (x, z) = (f32::from(i) / f32::from(n), f32::from(j) / f32::from(n));
+        Vec3::new(x, (x * 7.0 + z * z * 5.0).fract() * 0.3, z)
+    };
+    let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|(i, j)| (i * 7 + j * 3) % 5 != 0);
+    let triangles: Vec<_> = squares
+        .flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j + 1), at(i, j + 1), at(i + 1, j)]])
+        .collect();
+    Scene::new(&triangles)
+}
