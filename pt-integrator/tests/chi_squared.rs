@@ -183,7 +183,7 @@ fn triangle_lights() {
 #[test]
 fn environment_guides_begin_before_every_answer() {
     for (width, height) in [(1, 1), (3, 2), (4, 5), (37, 9), (64, 3)] {
-        let dark = |x: u32, y: u32| x * 7 % 5 == 0 || y == 1;
+        let dark = |x: u32, y: u32| (x * 7).is_multiple_of(5) || y == 1;
         let texel = |i: u32| if dark(i % width, i / width) { [0.0; 4] } else { [(i * i % 97) as f32; 4] };
         let texels = (0..width * height).map(texel).chain([[1.0; 4]]).skip(1).collect();
         let image = EnvironmentImage { width, height, texels };

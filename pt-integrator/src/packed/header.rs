@@ -53,3 +53,11 @@ pub struct SceneHeader {
     /// Zero.
     pub padding: [u32; 2],
 }
+
+impl SceneHeader {
+    /// Whether a constant environment gives light.
+    #[inline]
+    pub fn has_constant_environment(&self) -> bool {
+        self.constant_environment.iter().any(|&x| x > 0.0)
+    }
+}

@@ -80,8 +80,8 @@ pub const MAX_STORED: usize = 8;
 /// [`MAX_STORED`], each with the light that the rest of the path brought to it. Entries behind the path's end become
 /// [`PathOutcome::NONE`]; the first holds `emitted` in any case.
 ///
-/// Light at x_j comes to x_i, i < j, through the scatterings at i + 1 … j: next-event light enters x_i's own
-/// illumination without any albedo, that of x_j with the albedos of i + 1 … j.
+/// Light that vertex j finds comes to an earlier vertex i through the scatterings at i + 1 … j, so with their albedos;
+/// what vertex i finds itself enters its illumination without any albedo.
 ///
 /// Without roulette and with one vertex this is [`trace_path`], bit for bit. Light that is NaN or infinite is dropped
 /// with the whole path and counted. Adds to `counts`.
@@ -90,7 +90,7 @@ pub const MAX_STORED: usize = 8;
 /// Roth et al. 2020, eq. 1.
 ///
 /// # Deviation
-/// Their equation scatters next-event light at x_j once too often.
+/// Their equation scatters next-event light once too often, at the vertex that finds it.
 ///
 /// # Panics
 /// As [`trace_path`].
@@ -312,7 +312,7 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
     #[inline]
     fn sees_no_light(&self, ray: &Ray) -> bool {
         NEEDS & Needs::ENVIRONMENT_IMAGE == 0
-            && self.scene.header.constant_environment == [0.0; 4]
+            && !self.scene.header.has_constant_environment()
             && (NEEDS & Needs::TRIANGLE_LIGHTS == 0 || !may_meet_emitter(self.scene.lights, ray))
     }
 }

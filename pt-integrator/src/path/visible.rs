@@ -78,7 +78,7 @@ impl DirectSettings {
     /// one ray scatters there, and where there is nothing else, all do. [`DirectSettings::NONE`] stays.
     #[must_use]
     pub fn for_scene(self, scene: &SceneView<'_>) -> Self {
-        let sky = scene.header.constant_environment != [0.0; 4];
+        let sky = scene.header.has_constant_environment();
         let (samples, scattered) = (self.shadow_rays(), self.scattered.min(Self::MAX_CANDIDATES));
         if scene.needs().bits() & Needs::SAMPLED_LIGHTS == 0 {
             return Self { samples: 0, scattered: if sky { samples + scattered } else { 0 }, ..self };
