@@ -61,6 +61,7 @@ pub(crate) fn params(settings: &Settings, max_radiance: f32) -> Result<OctreePar
         jitter: settings.octree_jitter,
         min_samples: settings.octree_min_samples,
         max_climb: settings.octree_max_climb,
+        shrinkage: settings.octree_shrinkage,
         seed: settings.seed,
         quantum: Quantum::for_scale(max_radiance * L0_SHARE),
         ..OctreeSettings::default()

@@ -107,6 +107,8 @@ pub struct Settings {
     pub octree_jitter: f32,
     /// `octree.min_samples`: samples below which a coarser cell is asked.
     pub octree_min_samples: u32,
+    /// `octree.shrinkage`: samples that a coarser cell counts for in a finer one's answer; 0: levels do not mix.
+    pub octree_shrinkage: f32,
     /// `octree.max_climb`: levels at most that a question rises for `octree.min_samples`.
     pub octree_max_climb: u32,
     /// `octree.layout`: what a cell stores.
@@ -161,10 +163,11 @@ impl Default for Settings {
             filter_color: 0.0,
             octree_resolution: None,
             octree_memory: 1024,
-            octree_cell: 4.0,
-            octree_jitter: 1.0,
-            octree_min_samples: 32,
-            octree_max_climb: 4,
+            octree_cell: 2.0,
+            octree_jitter: 0.5,
+            octree_min_samples: 128,
+            octree_shrinkage: 8.0,
+            octree_max_climb: 5,
             octree_layout: OctreeLayout::Exact,
             grid_cell: 24.0,
             grid_jitter: 1.0,
@@ -323,6 +326,7 @@ const ROWS: &[Row] = &[
     number!("octree.cell", octree_cell, 0.01..=10_000.0),
     number!("octree.jitter", octree_jitter, 0.0..=2.0),
     number!("octree.min_samples", octree_min_samples, 0..=1 << 24),
+    number!("octree.shrinkage", octree_shrinkage, 0.0..=65_536.0),
     number!("octree.max_climb", octree_max_climb, 0..=31),
     choice!("octree.layout", octree_layout),
     number!("grid.cell", grid_cell, 0.01..=10_000.0),

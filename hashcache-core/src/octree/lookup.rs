@@ -89,7 +89,9 @@ fn level_with(size: f32, share: u32, random: u32) -> u32 {
 /// The level's cells are nearest to the footprint times the settings' cell size, as a ratio; the cell is the one that
 /// holds the vertex after it was moved at random in its tangent plane, or the vertex itself where there is none or it is
 /// empty; the side is the one that the vertex's normal points to. While the side has too few samples, the next coarser
-/// level is asked the same; the most samples found win.
+/// level is asked the same. Without shrinkage the most samples found win. With shrinkage k, each level's mean of n samples
+/// weighs n against k of the level above, from the coarsest one read down: the estimate of a mean by its few samples and
+/// what is known about its surroundings (James & Stein 1961), without a border where the level changes.
 ///
 /// The mean comes as [`Estimate::further`], whatever light it is; [`Estimate::direct`] is 0. A vertex for which no
 /// samples were found is a *hole*: it gets the light of its own that the cache would have recorded (0 for
@@ -140,8 +142,7 @@ fn estimate_vertex<C: CellRecord>(
 ) -> Estimate {
     counters.lookups += 1;
     let side = |cell: &C| side_in(params, cell, vertex.normal);
-    let mut best = Side::default();
-    let mut coarser = false;
+    let mut best = Blend::new(params.shrinkage());
     let last = (question.nearest + params.max_climb()).min(octree.grid().levels - 1);
     for level in question.first..=last {
         let jittered =
@@ -154,21 +155,68 @@ fn estimate_vertex<C: CellRecord>(
                 here = side(&cells.get(cell));
             }
         }
-        if here.count > best.count {
-            best = here;
-            coarser = level > question.nearest;
-        }
-        if best.count >= params.min_samples() {
+        best.add(&here, level);
+        if best.most >= params.min_samples() {
             break;
         }
     }
-    if best.count == 0 {
+    if best.most == 0 {
         counters.fallbacks += 1;
         return Estimate { direct: Vec3::ZERO, further: own_light(params, vertex, counters), samples: 0 };
     }
     counters.hits += 1;
-    counters.coarser += u64::from(coarser);
-    Estimate { direct: Vec3::ZERO, further: Vec3::from_array(best.mean), samples: best.count }
+    counters.coarser += u64::from(best.level > question.nearest);
+    Estimate { direct: Vec3::ZERO, further: best.mean(), samples: best.samples }
+}
+
+/// What a lookup makes of the levels it reads, finest first.
+struct Blend {
+    shrinkage: f32,
+    /// Weighted sum so far, the weight that is left for coarser levels, and the mean of the coarsest level read.
+    sum: Vec3,
+    left: f32,
+    coarsest: Vec3,
+    /// Most samples of a level so far.
+    most: u32,
+    /// Samples and level of the answer.
+    samples: u32,
+    level: u32,
+}
+
+impl Blend {
+    #[inline]
+    const fn new(shrinkage: f32) -> Self {
+        Self { shrinkage, sum: Vec3::ZERO, left: 1.0, coarsest: Vec3::ZERO, most: 0, samples: 0, level: 0 }
+    }
+
+    /// With shrinkage k, a side of n samples keeps the share n/(n+k) of what finer ones left; without, the side with the
+    /// most samples has it all.
+    #[inline]
+    fn add(&mut self, side: &Side, level: u32) {
+        if side.count == 0 {
+            return;
+        }
+        let mean = Vec3::from_array(side.mean);
+        if self.shrinkage == 0.0 {
+            if side.count > self.most {
+                (self.coarsest, self.samples, self.level) = (mean, side.count, level);
+            }
+        } else {
+            if self.most == 0 {
+                (self.samples, self.level) = (side.count, level);
+            }
+            let share = side.count as f32 / (side.count as f32 + self.shrinkage);
+            self.sum += mean * (self.left * share);
+            self.left *= 1.0 - share;
+            self.coarsest = mean;
+        }
+        self.most = self.most.max(side.count);
+    }
+
+    #[inline]
+    fn mean(&self) -> Vec3 {
+        self.sum + self.coarsest * self.left
+    }
 }
 
 /// The side of a cell that a normal points to; empty when the cell was not touched since the last wipe.

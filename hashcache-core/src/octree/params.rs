@@ -47,6 +47,8 @@ pub struct OctreeSettings {
     /// Levels below the one nearest the footprint where a lookup starts: with `min_samples` it reads the finest of them
     /// that has enough. 0: cells are never smaller than the footprint asks for.
     pub finer: u32,
+    /// Samples that the level above counts for in a level's answer, 0 (levels do not mix) to 2¹⁶.
+    pub shrinkage: f32,
     /// Samples after which a mean becomes a moving average, 1 to 2³⁰ (2¹⁶ − 1 at most in layout `paper`): what is older
     /// fades.
     pub max_samples: u32,
@@ -67,6 +69,7 @@ impl Default for OctreeSettings {
             min_samples: 4,
             max_climb: 3,
             finer: 0,
+            shrinkage: 0.0,
             max_samples: MAX_DEPOSITS,
             seed: 0,
             quantum: Quantum::for_scale(1.0),
@@ -74,7 +77,7 @@ impl Default for OctreeSettings {
     }
 }
 
-/// Checked settings: the parameter block of the octree's kernels (48 bytes).
+/// Checked settings: the parameter block of the octree's kernels (64 bytes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct OctreeParams {
@@ -92,6 +95,8 @@ pub struct OctreeParams {
     wiped: u32,
     /// Level of a merge.
     level: u32,
+    shrinkage: u32,
+    reserved: [u32; 3],
 }
 
 impl OctreeParams {
@@ -108,6 +113,7 @@ impl OctreeParams {
             min_samples,
             max_climb,
             finer,
+            shrinkage,
             max_samples,
             seed,
             quantum,
@@ -118,6 +124,7 @@ impl OctreeParams {
         ParamError::check_range("min_samples", f64::from(min_samples), 0.0, f64::from(MAX_DEPOSITS))?;
         ParamError::check_range("max_climb", f64::from(max_climb), 0.0, f64::from(MAX_LEVEL))?;
         ParamError::check_range("finer", f64::from(finer), 0.0, f64::from(MAX_LEVEL))?;
+        ParamError::check_range("shrinkage", f64::from(shrinkage), 0.0, 65_536.0)?;
         ParamError::check_range("max_samples", f64::from(max_samples), 1.0, f64::from(MAX_DEPOSITS))?;
         // ⌊log₂ x + ½⌋ is the nearest level; with jitter, ⌊log₂ x + (1 − j)/2 + j·u⌋ for u in 0..1.
         let cell_factor = cell * float::exp2(0.5 * (1.0 - level_jitter));
@@ -135,6 +142,8 @@ impl OctreeParams {
             max_samples,
             wiped: 0,
             level: 0,
+            shrinkage: shrinkage.to_bits(),
+            reserved: [0; 3],
         })
     }
 
@@ -197,6 +206,11 @@ impl OctreeParams {
         self.finer
     }
 
+    /// Samples that the level above counts for in a level's answer.
+    pub const fn shrinkage(&self) -> f32 {
+        f32::from_bits(self.shrinkage)
+    }
+
     /// Samples after which a mean becomes a moving average.
     pub const fn max_samples(&self) -> u32 {
         self.max_samples
@@ -213,4 +227,4 @@ impl OctreeParams {
     }
 }
 
-const _: () = assert!(size_of::<OctreeParams>() == 48);
+const _: () = assert!(size_of::<OctreeParams>() == 64);
