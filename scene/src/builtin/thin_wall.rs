@@ -22,7 +22,7 @@ pub(super) const THICKNESS: Parameter = Parameter {
 /// No straight line leads from one room to the other: it would leave the opening's plane and come back. So the right room
 /// is black, and what a picture shows where the camera looks through the opening at x > thickness/2 has leaked.
 pub(super) fn build(builder: &mut Builder, thickness: f64) {
-    builder.data.materials = vec![Material::lambert([0.7; 3]), Material::emissive([0.7; 3], [20.0; 3])];
+    builder.data.materials = vec![Material::lambert([0.7; 3]), Material::emissive([0.7; 3], [10.0; 3])];
     let (grey, light) = (0, 1);
     let low = DVec3::new(-2.0, 0.0, -2.0);
     let (x, y, z) = (DVec3::X * 4.0, DVec3::Y * 2.0, DVec3::Z * 2.0);

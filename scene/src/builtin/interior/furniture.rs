@@ -102,14 +102,14 @@ fn picture(builder: &mut Builder) {
 fn curtain(builder: &mut Builder) {
     surface(builder, [120, 4], CUSHION, |u, v| {
         let fold = (11.0 * TAU * u).sin();
-        DVec3::new(4.0 + 1.7 * u, 0.05 + 2.2 * v, 0.16 + 0.06 * fold * (1.2 - 0.4 * v))
+        DVec3::new(4.0 + 1.8 * u, 0.05 + 2.1 * v, 0.16 + 0.06 * fold * (1.2 - 0.4 * v))
     });
 }
 
 /// A folding screen, two centimetres thick, and the dark corner behind it.
 fn screen(builder: &mut Builder) {
     for i in 0..3_u32 {
-        let (x, z) = (4.35 + 0.45 * f64::from(i), 1.3);
-        cuboid(builder, [x, 0.0, z], [x + 0.44, 1.5, z + 0.02], if i == 1 { WOOD } else { CLAY });
+        let (x, z) = (4.62 + 0.45 * f64::from(i), 0.8);
+        cuboid(builder, [x, 0.0, z], [x + 0.44, 1.25, z + 0.02], if i == 1 { WOOD } else { CLAY });
     }
 }

@@ -35,14 +35,14 @@ pub(super) fn build(builder: &mut Builder) {
     builder.data.materials = vec![
         Material::lambert([0.78, 0.76, 0.72]),
         Material { base_color_texture: 0, ..Material::lambert([1.0; 3]) },
-        Material::lambert([0.62, 0.27, 0.17]),
+        Material::lambert([0.7, 0.36, 0.24]),
         Material::lambert([0.45, 0.29, 0.16]),
         Material::lambert([0.12, 0.11, 0.1]),
         Material::lambert([0.22, 0.32, 0.38]),
         Material::lambert([0.7, 0.55, 0.2]),
         Material { base_color_texture: 1, ..Material::lambert([1.0; 3]) },
-        Material::emissive([0.5; 3], [26.0, 21.0, 14.0]),
-        Material::emissive([0.5; 3], [60.0, 46.0, 28.0]),
+        Material::emissive([0.5; 3], [52.0, 44.0, 32.0]),
+        Material::emissive([0.5; 3], [260.0, 200.0, 130.0]),
     ];
     builder.data.materials.extend(BOOK_COLORS.map(Material::lambert));
     checker(builder, 2, [[178, 160, 138], [116, 92, 70]]);
@@ -88,9 +88,9 @@ fn shell(builder: &mut Builder) {
 
 fn lamps(builder: &mut Builder) {
     // The trough, its lip, and the light in it.
-    cuboid(builder, [0.0, 2.34, 0.0], [ROOM.x, 2.37, 0.3], WALL);
-    cuboid(builder, [0.0, 2.37, 0.28], [ROOM.x, 2.5, 0.3], WALL);
-    parallelogram(builder, [DVec3::new(0.2, 2.38, 0.08), DVec3::Z * 0.1, DVec3::X * 5.6], [0.0; 2], COVE_LIGHT);
+    cuboid(builder, [0.0, 2.19, 0.0], [ROOM.x, 2.22, 0.3], WALL);
+    cuboid(builder, [0.0, 2.22, 0.28], [ROOM.x, 2.32, 0.3], WALL);
+    parallelogram(builder, [DVec3::new(0.2, 2.23, 0.08), DVec3::Z * 0.1, DVec3::X * 5.6], [0.0; 2], COVE_LIGHT);
     // The floor lamp: foot, pole, bowl, and the light in it.
     let foot = DVec3::new(0.45, 0.0, 0.75);
     cuboid(builder, [foot.x - 0.16, 0.0, foot.z - 0.16], [foot.x + 0.16, 0.03, foot.z + 0.16], DARK);
