@@ -6,10 +6,17 @@
 mod args;
 mod compare;
 mod failure;
+mod figures;
+mod fly;
+mod folder;
 mod info;
+mod interrupt;
 mod outputs;
+mod place;
 mod progress;
 mod render;
+mod table;
+mod trade;
 
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -20,6 +27,7 @@ use crate::args::{Cli, Command};
 use crate::failure::Failure;
 
 fn main() -> ExitCode {
+    interrupt::install();
     let result = match Cli::try_parse() {
         Ok(cli) => run(&cli.command),
         // Help and version are answers, not errors.
@@ -38,7 +46,9 @@ fn main() -> ExitCode {
 fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Render(args) => render::run(args),
+        Command::Fly(args) => fly::run(args),
         Command::Plan(args) => print(&info::plan(args)?),
+        Command::Trade(args) => print(&trade::run(args)?),
         Command::Info(args) => print(&info::scene(args)?),
         Command::Compare(args) => print(&compare::run(args)?),
     }

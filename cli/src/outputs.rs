@@ -1,109 +1,88 @@
 //! The files of a render: checked before the work, written whole or not at all.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::{fmt, fs};
 
-use hashcache::image_file::{self, Image, ImageError};
-use tempfile::TempDir;
+use hashcache::image_file::{self, Image};
 
 use crate::failure::Failure;
+use crate::folder::Folder;
+use crate::interrupt::uninterrupted;
+use crate::place::{Place, Staged};
 
 /// Where the results go. Made only when each place can be written.
 pub struct Outputs {
     images: Vec<Place>,
     stats: Option<Place>,
-}
-
-/// A file to be written, its folder resolved.
-struct Place {
-    path: PathBuf,
-    folder: PathBuf,
-    name: PathBuf,
+    aovs: Option<Folder>,
 }
 
 impl Outputs {
-    /// Checks formats and folders. Without `-o` and `--stats` the image is `SCENE.png` in the current folder, which must not
+    /// Checks formats and folders. Without any output named the image is `SCENE.png` in the current folder, which must not
     /// be there yet: nobody asked to replace it.
-    pub fn check(scene: &str, images: &[PathBuf], stats: Option<&Path>) -> Result<Self, Failure> {
+    pub fn check(scene: &str, images: &[PathBuf], stats: Option<&Path>, aovs: Option<&Path>) -> Result<Self, Failure> {
         for path in images {
             image_file::format_of(path)?;
         }
-        let default = if images.is_empty() && stats.is_none() { Some(default_name(scene)?) } else { None };
-        let images = images.iter().chain(&default).map(|path| Place::check(path)).collect::<Result<Vec<_>, _>>()?;
-        let outputs = Self { images, stats: stats.map(Place::check).transpose()? };
-        let places: Vec<_> = outputs.images.iter().chain(&outputs.stats).collect();
+        let unnamed = images.is_empty() && stats.is_none() && aovs.is_none();
+        let default = if unnamed { Some(default_name(scene)?) } else { None };
+        let aovs = aovs.map(Folder::check).transpose()?;
+        let outputs = uninterrupted(|| -> Result<_, Failure> {
+            let images = images.iter().chain(&default).map(|path| Place::check(path)).collect::<Result<Vec<_>, _>>()?;
+            Ok(Self { images, stats: stats.map(Place::check).transpose()?, aovs })
+        })?;
+        let places: Vec<_> = outputs.places().collect();
         for (i, place) in places.iter().enumerate() {
-            if places[..i].iter().any(|earlier| (&earlier.folder, &earlier.name) == (&place.folder, &place.name)) {
-                return Err(Failure::usage(format!("{}: named for two outputs; leave one out", place.path.display())));
+            if places[..i].iter().any(|earlier| earlier.is(place)) {
+                return Err(Failure::usage(format!(
+                    "{}: named for two outputs; leave one out",
+                    place.path().display()
+                )));
             }
         }
         Ok(outputs)
     }
 
+    /// Whether a folder for pictures beside the picture is named.
+    pub fn want_aovs(&self) -> bool {
+        self.aovs.is_some()
+    }
+
     /// Writes all files: first completely beside their places, then each takes its name.
-    pub fn write(&self, image: &Image, stats: &[u8]) -> Result<(), Failure> {
+    pub fn write(&self, image: &Image, stats: &[u8], aovs: &[(&str, Image)]) -> Result<(), Failure> {
+        uninterrupted(|| {
+            let made = self.aovs.as_ref().map(Folder::make).transpose()?.unwrap_or(false);
+            let written = self.stage(image, stats, aovs).and_then(|all| all.into_iter().try_for_each(Staged::commit));
+            if let (Err(_), true, Some(folder)) = (&written, made, &self.aovs) {
+                folder.unmake();
+            }
+            written
+        })
+    }
+
+    fn stage(&self, image: &Image, stats: &[u8], aovs: &[(&str, Image)]) -> Result<Vec<Staged>, Failure> {
         let mut staged = Vec::new();
         for place in &self.images {
-            let (folder, file) = place.stage()?;
-            image_file::write(&file, image).map_err(|error| match error {
-                ImageError::Write { reason, .. } => place.failure(&reason),
-                error => error.into(),
-            })?;
-            staged.push((place, folder, file));
+            staged.push(place.clone().stage_image(image)?);
         }
         if let Some(place) = &self.stats {
-            let (folder, file) = place.stage()?;
-            let written = fs::File::create_new(&file).and_then(|mut out| out.write_all(stats));
-            written.map_err(|error| place.failure(&error.kind()))?;
-            staged.push((place, folder, file));
+            staged.push(place.clone().stage_bytes(stats)?);
         }
-        for (place, _folder, file) in &staged {
-            fs::rename(file, place.folder.join(&place.name)).map_err(|error| place.failure(&error.kind()))?;
+        if let Some(folder) = &self.aovs {
+            for (name, image) in aovs {
+                staged.push(Place::check(&folder.path().join(format!("{name}.exr")))?.stage_image(image)?);
+            }
         }
-        Ok(())
+        Ok(staged)
+    }
+
+    fn places(&self) -> impl Iterator<Item = &Place> {
+        self.images.iter().chain(&self.stats)
     }
 
     /// The files' names as the user gave them.
     pub fn names(&self) -> String {
-        let names = self.images.iter().chain(&self.stats).map(|place| place.path.display().to_string());
-        names.collect::<Vec<_>>().join(", ")
-    }
-}
-
-impl Place {
-    fn check(path: &Path) -> Result<Self, Failure> {
-        let refused = |why: &str| Err(Failure::other(format!("{}: cannot be written: {why}", path.display())));
-        let Some(name) = path.file_name() else {
-            return refused("the path ends in no file name; add one");
-        };
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let Some(folder) = folder.canonicalize().ok().filter(|folder| folder.is_dir()) else {
-            return refused(&format!("there is no folder {}; create it first", folder.display()));
-        };
-        // A rename would put the result in a link's or device's place.
-        if path.symlink_metadata().is_ok_and(|found| !found.is_file()) {
-            return refused("the name belongs to a folder, link or device; name a file");
-        }
-        let place = Self { path: path.to_owned(), name: name.into(), folder };
-        place.stage()?;
-        Ok(place)
-    }
-
-    /// A folder that goes away with the value, in the place's own folder so that a rename suffices, and the file in it.
-    fn stage(&self) -> Result<(TempDir, PathBuf), Failure> {
-        let folder = tempfile::Builder::new().prefix(".hashcache-").tempdir_in(&self.folder);
-        let folder = folder.map_err(|error| self.failure(&error.kind()))?;
-        let file = folder.path().join(&self.name);
-        Ok((folder, file))
-    }
-
-    /// The reason without the names of temporary files, which say nothing to the user.
-    fn failure(&self, reason: &dyn fmt::Display) -> Failure {
-        Failure::other(format!("{}: cannot be written ({reason}); choose another place", self.path.display()))
+        let names = self.places().map(Place::path).chain(self.aovs.as_ref().map(Folder::path));
+        names.map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
     }
 }
 

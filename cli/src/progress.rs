@@ -26,12 +26,19 @@ impl Display {
         Self { quiet, bar, last_line: Instant::now() }
     }
 
-    /// `done` of `total` steps are done.
-    pub fn report(&mut self, what: &'static str, done: u64, total: u64) {
+    /// The same for work whose steps print lines of their own: a bar where there is one, and nothing else.
+    pub fn position(&self, what: &'static str, done: u64, total: u64) {
         if let Some(bar) = &self.bar {
             bar.set_length(total);
             bar.set_message(what);
             bar.set_position(done);
+        }
+    }
+
+    /// `done` of `total` steps are done.
+    pub fn report(&mut self, what: &'static str, done: u64, total: u64) {
+        if self.bar.is_some() {
+            self.position(what, done, total);
         } else if !self.quiet && done < total && self.last_line.elapsed() >= BETWEEN_LINES {
             self.last_line = Instant::now();
             self.line(&format!("{what} {} %", 100 * done / total));

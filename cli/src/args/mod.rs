@@ -1,14 +1,12 @@
-//! What the command line takes. Names, values and defaults of settings come from the library.
+//! What the command line takes.
 
-use std::ffi::OsString;
+mod settings;
+
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
-use clap::{Args, Parser, Subcommand};
-use hashcache::choice::{BackendKind, CacheKind, Choice, FilterKind, IntegratorKind, VisibilityKind};
-use hashcache::{Settings, SettingsError};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use crate::failure::Failure;
+pub use settings::{Given, SettingsArgs};
 
 /// Global-illumination previews of glTF scenes, with their error
 #[derive(Parser)]
@@ -27,8 +25,12 @@ pub struct Cli {
 pub enum Command {
     /// Render one image
     Render(Render),
+    /// Render a camera move frame by frame, with each frame's time, error and flicker
+    Fly(Fly),
     /// Show what a scene needs, the stages chosen for it, and why each is there
     Plan(Plan),
+    /// Sweep settings: what each costs and how far its picture is from a reference
+    Trade(Trade),
     /// Show triangles, extent, materials, lights, cameras, and what was ignored in the file
     Info(Info),
     /// Measure the difference of an image from a reference
@@ -41,18 +43,83 @@ pub struct Render {
     /// A .gltf or .glb file, or builtin:NAME (`hashcache info builtin:` lists them)
     pub scene: String,
     /// Write the image here, linear as .exr or .hdr, for a screen as .png; may be repeated
-    /// [default: SCENE's name with .png in this folder, never over a file; nothing if --stats is given]
+    /// [default: SCENE's name with .png in this folder, never over a file; nothing if --stats or --aov is given]
     #[arg(short, long = "output", value_name = "FILE")]
     pub outputs: Vec<PathBuf>,
     /// Write settings, plan, times, rays and cache figures here as JSON
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
+    /// Write albedo, normals, depth, and whatever else the stages know about the pixels into this folder, as NAME.exr each
+    #[arg(long, value_name = "DIR")]
+    pub aov: Option<PathBuf>,
     /// Show no progress, warnings or summary
     #[arg(short, long)]
     pub quiet: bool,
     #[command(flatten)]
     pub settings: SettingsArgs,
 }
+
+/// `hashcache fly`
+#[derive(Args)]
+#[command(after_long_help = FLY_FILES)]
+pub struct Fly {
+    /// A .gltf or .glb file, or builtin:NAME (`hashcache info builtin:` lists them)
+    pub scene: String,
+    /// The move: {"keys":[{"time":s, "position":[x,y,z], "target":[x,y,z], "up":[x,y,z], "fov_y_deg":a}, ...], "frames":N},
+    /// Catmull-Rom between keys; a key's "light" is a factor on all lights
+    #[arg(long, value_name = "PATH.json")]
+    pub path: PathBuf,
+    /// The folder for all files; made if it is not there (its own folder must be). Files of the same names are replaced;
+    /// frames of another, longer move in it are refused
+    #[arg(short, long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    /// Compare frames with the frame_0000.exr, frame_0001.exr, ... in this folder; frames that it lacks have no error
+    #[arg(long, value_name = "DIR")]
+    pub references: Option<PathBuf>,
+    /// The kind of file of the frames: linear as exr or hdr, for a screen as png
+    #[arg(long, value_enum, default_value_t = FrameFormat::Exr)]
+    pub format: FrameFormat,
+    /// Show no progress, warnings or summary
+    #[arg(short, long)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub settings: SettingsArgs,
+}
+
+/// The kind of file of a move's frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FrameFormat {
+    #[value(help = None::<&str>)]
+    Exr,
+    Hdr,
+    Png,
+}
+
+impl FrameFormat {
+    /// The ending of its files' names.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Exr => "exr",
+            Self::Hdr => "hdr",
+            Self::Png => "png",
+        }
+    }
+}
+
+const FLY_FILES: &str = "\
+Files:
+  frame_0000.exr ...  the frames; --spp samples a pixel each, light cached in earlier frames is used again
+  metrics.csv         a row a frame, its row follows the frame's file:
+                      frame, time_s and cpu_s (wall; user + system of all threads; rendering alone), relmse,
+                      relmse_trimmed, ms_ssim, flip, energy_ratio (as `hashcache compare`), flicker
+  summary.json        written last: the keys of --stats for the whole move, and \"frames\": the rows of metrics.csv
+A move that is broken off leaves whole frames, their rows, and no summary.json.
+
+Flicker of a frame: the mean over pixels and channels of ((I1-I0) - (R1-R0))^2 / (R1^2 + 0.01) for frame I1, the one
+before I0, and their references R1, R0: the relative squared form of the temporal loss of Chaitanya et al. 2017. Noise
+of relMSE e that is new in each frame flickers by 2e; what is wrong in the same way in both frames does not flicker.
+Where camera and lights rest, R1 = R0 is known without references, and I0 takes R1's place below the line.
+Else the column is empty, as are those of a frame without reference.";
 
 /// `hashcache plan`
 #[derive(Args)]
@@ -62,6 +129,60 @@ pub struct Plan {
     #[command(flatten)]
     pub settings: SettingsArgs,
 }
+
+/// `hashcache trade`
+#[derive(Args)]
+#[command(after_long_help = TRADE_FILES)]
+pub struct Trade {
+    /// A .gltf or .glb file, or builtin:NAME (`hashcache info builtin:` lists them)
+    pub scene: String,
+    /// The folder for all files; made if it is not there (its own folder must be). An earlier sweep in it goes on
+    #[arg(short, long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    /// The picture as it should be, of the same size [default: DIR/reference.exr, path traced if it is not there]
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    /// Samples a pixel of a reference that is path traced here, by a seed of its own
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=i64::from(hashcache::MAX_SPP)), conflicts_with = "reference")]
+    pub reference_spp: u32,
+    /// Pictures for each row, with seeds from --seed on; from 2 on, columns hold means and their standard errors
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub seeds: u32,
+    /// Values of a setting, each with each value of the others; may be repeated, and replaces the usual sweep
+    #[arg(long, value_name = "KEY=V1,V2,...")]
+    pub vary: Vec<String>,
+    /// Leave out rows that would bring the CPU-seconds of this run, the reference's included, above this
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub max_cpu_s: Option<f64>,
+    /// Show no progress or warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub settings: SettingsArgs,
+}
+
+/// A number of seconds, at least 0.
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number >= 0.0);
+    number.ok_or_else(|| "not a number of at least 0".to_owned())
+}
+
+const TRADE_FILES: &str = "\
+The usual sweep: every cache, filter and source of direct light, 1, 4, 16 and 64 samples a pixel, sizes of the grid's
+cells and resolutions of the octree; what an option or --set fixes stays fixed. Settings that do not go together are
+left out, and those of a cache are varied for that cache alone.
+
+trade.csv gets a row as soon as its pictures are measured, cheap rows first; a sweep that is broken off leaves whole
+rows, and the same command goes on where it stopped. Columns:
+  scene, reference, seed, seeds   what was rendered, what it was compared with, the first seed, how many
+  one for each varied setting     its value; empty where it has no effect
+  settings                        all settings that are not at their default, as KEY=VALUE
+  cpu_s, time_s                   user + system seconds of all threads, and wall seconds, of the frame
+  build_cpu_s, build_time_s       the same before the frame: acceleration structure, cache, upload (the last seed's)
+  relmse, relmse_trimmed, ms_ssim, flip, energy_ratio   as `hashcache compare`; ms_ssim needs 176x176 pixels
+  X_se                            standard error of X over the seeds; empty for one seed
+  cache_cells, cache_bytes        cells in use and memory of the cache (the last seed's)
+Standard output: the front, that is the rows that no other row beats in both cpu_s and relmse.";
 
 /// `hashcache info`
 #[derive(Args)]
@@ -80,120 +201,4 @@ pub struct Compare {
     /// Print one JSON object; numbers that do not exist (PSNR of equal images) are null
     #[arg(long)]
     pub json: bool,
-}
-
-/// Options that set how a scene is rendered.
-#[derive(Args)]
-#[command(next_help_heading = "Settings")]
-pub struct SettingsArgs {
-    #[arg(long, value_name = "NAME", value_parser = names::<BackendKind>(), help = help("backend", "Where kernels run"))]
-    backend: Option<String>,
-    #[arg(long, value_name = "NAME", value_parser = names::<IntegratorKind>(), help = help("integrator", "How light is transported"))]
-    integrator: Option<String>,
-    #[arg(long, value_name = "NAME", value_parser = names::<CacheKind>(), help = help("cache", "Where light is shared between paths"))]
-    cache: Option<String>,
-    #[arg(long, value_name = "NAME", value_parser = names::<VisibilityKind>(), help = help("visibility", "How shadow rays are answered"))]
-    visibility: Option<String>,
-    #[arg(long, value_name = "NAME", value_parser = names::<FilterKind>(), help = help("filter", "How the image is filtered"))]
-    filter: Option<String>,
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("spp", "Samples a pixel"))]
-    spp: Option<String>,
-    #[arg(
-        long,
-        value_name = "WxH",
-        allow_hyphen_values = true,
-        help = "Columns and rows of the image [default: the camera's, else 512x512]"
-    )]
-    size: Option<String>,
-    #[arg(
-        long,
-        value_name = "NAME|INDEX|FILE.json",
-        allow_negative_numbers = true,
-        help = "A camera of the scene, or a camera file [default: the scene's first]"
-    )]
-    camera: Option<String>,
-    /// An environment map in place of the scene's, .hdr or .exr
-    #[arg(long, value_name = "FILE")]
-    env: Option<OsString>,
-    #[arg(long, value_name = "X", allow_negative_numbers = true, help = help("env_scale", "Factor on the environment's radiance"))]
-    env_scale: Option<String>,
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("max_bounces", "Surface scatterings at most; 0: only emission seen directly"))]
-    max_bounces: Option<String>,
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("seed", "Of every random decision"))]
-    seed: Option<String>,
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help = help("threads", "Threads; 0: one a core. The image does not depend on it"))]
-    threads: Option<String>,
-    #[arg(long = "set", value_name = "KEY=VALUE", help = format!("Any setting by its name: {}", Settings::keys().join(", ")))]
-    set: Vec<String>,
-}
-
-/// The values of a choice, the default first.
-fn names<C: Choice>() -> PossibleValuesParser {
-    PossibleValuesParser::new(C::names())
-}
-
-/// A help text with the default that the library has.
-fn help(key: &str, text: &str) -> String {
-    let default = Settings::default().to_json().remove(key).unwrap_or_default();
-    match default.as_str() {
-        Some(name) => format!("{text} [default: {name}]"),
-        None => format!("{text} [default: {default}]"),
-    }
-}
-
-impl SettingsArgs {
-    /// The settings that the options ask for, checked together.
-    pub fn settings(&self) -> Result<Settings, Failure> {
-        let mut settings = Settings::default();
-        let mut given = Vec::new();
-        for (option, key, value) in self.options() {
-            let Some(value) = value else { continue };
-            settings.set(key, value).map_err(|error| option_failure(option, error))?;
-            given.push(key.to_owned());
-        }
-        if let Some(path) = &self.env {
-            settings.env = Some(path.into());
-            given.push("env".to_owned());
-        }
-        for pair in &self.set {
-            let Some((key, value)) = pair.split_once('=') else {
-                return Err(Failure::usage(format!("--set {pair}: KEY=VALUE expected, as in --set spp=4")));
-            };
-            settings.set(key, value).map_err(|error| Failure::usage(format!("--set {error}")))?;
-            if given.iter().any(|earlier| earlier == key) {
-                return Err(Failure::usage(format!("--set {pair}: {key} is given twice; leave one out")));
-            }
-            given.push(key.to_owned());
-        }
-        settings.validate().map_err(|error| Failure::usage(error.to_string()))?;
-        Ok(settings)
-    }
-
-    /// Option, setting and value.
-    fn options(&self) -> [(&'static str, &'static str, Option<&str>); 12] {
-        [
-            ("--backend", "backend", self.backend.as_deref()),
-            ("--integrator", "integrator", self.integrator.as_deref()),
-            ("--cache", "cache", self.cache.as_deref()),
-            ("--visibility", "visibility", self.visibility.as_deref()),
-            ("--filter", "filter", self.filter.as_deref()),
-            ("--spp", "spp", self.spp.as_deref()),
-            ("--size", "size", self.size.as_deref()),
-            ("--camera", "camera", self.camera.as_deref()),
-            ("--env-scale", "env_scale", self.env_scale.as_deref()),
-            ("--max-bounces", "max_bounces", self.max_bounces.as_deref()),
-            ("--seed", "seed", self.seed.as_deref()),
-            ("--threads", "threads", self.threads.as_deref()),
-        ]
-    }
-}
-
-/// A refused value, with the option as the user wrote it.
-fn option_failure(option: &str, error: SettingsError) -> Failure {
-    Failure::usage(match error {
-        SettingsError::BadValue { value, expected, .. } => {
-            format!("{option} {value}: not possible; it takes {expected}")
-        }
-        other => other.to_string(),
-    })
 }

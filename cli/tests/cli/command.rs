@@ -17,7 +17,7 @@ fn help_names_what_is_built_and_nothing_else() {
     let help = place.succeed(&["--help"]).stdout;
     let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
     let commands: Vec<_> = commands.filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(commands, ["render", "plan", "info", "compare"]);
+    assert_eq!(commands, ["render", "fly", "plan", "trade", "info", "compare"]);
 
     let help = place.succeed(&["render", "--help"]).stdout;
     let values = |option: &str| -> Vec<String> {
@@ -27,12 +27,13 @@ fn help_names_what_is_built_and_nothing_else() {
     };
     assert_eq!(values("--backend "), ["cpu"]);
     assert_eq!(values("--integrator "), ["path"]);
-    assert_eq!(values("--cache "), ["grid", "none"]);
+    assert_eq!(values("--cache "), ["octree", "grid", "none"]);
     assert_eq!(values("--visibility "), ["exact"]);
-    assert_eq!(values("--filter "), ["none"]);
+    assert_eq!(values("--filter "), ["layered", "screen", "none"]);
     let options = help.split_whitespace().filter_map(|word| word.strip_prefix("--")).map(|word| word.trim_matches(','));
     let options: std::collections::BTreeSet<_> = options.collect();
     let expected = [
+        "aov",
         "backend",
         "cache",
         "camera",
@@ -135,13 +136,13 @@ fn an_image_equals_itself() {
     let place = Place::new();
     place.succeed(&["render", "builtin:cornell", "--size", "176x176", "-q", "-o", "a.exr"]);
     let report = json(&place.succeed(&["compare", "a.exr", "a.exr", "--json"]).stdout);
-    for key in ["relmse", "relmse_trimmed", "mse"] {
+    for key in ["relmse", "relmse_trimmed", "mse", "flip"] {
         assert_eq!(report[key], 0.0, "{key}");
     }
     assert!(report["psnr_db"].is_null());
     assert_eq!((&report["ms_ssim"], &report["energy_ratio"]), (&1.0.into(), &1.0.into()));
     let text = place.succeed(&["compare", "a.exr", "a.exr"]).stdout;
-    assert!(text.contains("PSNR            infinite"), "{text}");
+    assert!(text.contains("PSNR            infinite") && text.contains("FLIP            0.000000"), "{text}");
 }
 
 #[test]

@@ -5,5 +5,8 @@ mod bad_files;
 mod bad_input;
 mod bad_scenes;
 mod command;
+mod fly;
 mod place;
 mod scene;
+mod table;
+mod trade;
