@@ -97,7 +97,10 @@ impl<'a, B: CastsRays> Session<'a, B> {
         scaled.map_err(|error| error.told(self.backend.name()))
     }
 
-    /// What a denoiser or a reader of the picture wants to know about the last frame, by name: one picture each.
+    /// What a denoiser or a reader of the picture wants to know about the last frame, by name, one picture each: `albedo`,
+    /// `normal`, `depth`, `emission`, light without albedo by layer and source (`layer0_direct`, `layer0_cached`), and
+    /// numbers of samples, of holes, and of the samples behind the cache's answers. Numbers stand in all three channels.
+    /// None with `cache=none` and `filter=none`, which keep nothing but radiance.
     ///
     /// # Errors
     /// Those of the backend, with its name.

@@ -172,6 +172,12 @@ impl Cached {
         Ok(())
     }
 
+    /// The pixels' sums.
+    pub fn sums<B: CastsRays>(&self, backend: &mut B) -> Result<Vec<u8>, Error> {
+        let sums = self.filter.sums().ok_or(backend_api::Error::UnknownBuffer { at: "lf.pixels" })?;
+        Ok(super::read(backend, sums)?)
+    }
+
     pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {
         self.cache.wipe(backend)
     }

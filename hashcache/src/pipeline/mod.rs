@@ -1,5 +1,6 @@
 //! One pipeline for every backend: runs a plan, frame after frame.
 
+mod aov;
 mod buffers;
 mod cache;
 mod cached;
@@ -166,13 +167,17 @@ impl Pipeline {
         self.wipe(backend)
     }
 
-    /// Pictures beside the picture.
+    /// Pictures beside the picture; none without sums.
     pub fn aovs<B: CastsRays>(
         &mut self,
-        _backend: &mut B,
-        _preview: &Preview,
+        backend: &mut B,
+        preview: &Preview,
     ) -> Result<Vec<(&'static str, Image)>, Error> {
-        Ok(Vec::new())
+        let (width, height) = preview.size();
+        match &self.cached {
+            None => Ok(Vec::new()),
+            Some(cached) => Ok(aov::pictures(width, height, &cached.sums(backend)?)),
+        }
     }
 
     /// The cache's figures.
