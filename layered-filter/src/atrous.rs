@@ -2,9 +2,11 @@
 
 use bytemuck::{Pod, Zeroable};
 use hashcache_core::error::ParamError;
+use hashcache_core::glam::Vec4;
 
-use crate::denoiser::{Denoiser, Mean};
+use crate::denoiser::Denoiser;
 use crate::image::{Light, View, is_hole, luminance_of};
+use crate::mean::{Mean, add_at};
 use crate::weights::{WeightSettings, Weights};
 
 /// The shape of one pass.
@@ -53,8 +55,32 @@ impl ATrous {
     }
 }
 
-/// Factors of a tap by its distance along an axis, in units of the middle tap's: B₃ spline and binomial.
-const FACTORS: [[f32; 3]; 2] = [[1.0, 0.5, 0.0], [1.0, 4.0 / 6.0, 1.0 / 6.0]];
+/// Offset and factor of a tap, in units of the middle one's.
+type Tap = (i32, i32, f32);
+
+/// The binomial's taps without the middle one.
+const NINE: [Tap; 8] = ring::<8>(1, [1.0, 0.5, 0.0]);
+
+/// The B₃ spline's taps without the middle one.
+const TWENTY_FIVE: [Tap; 24] = ring::<24>(2, [1.0, 4.0 / 6.0, 1.0 / 6.0]);
+
+/// All taps up to `reach`; a tap's factor is the product of those of its two distances.
+const fn ring<const N: usize>(reach: i32, factors: [f32; 3]) -> [Tap; N] {
+    let mut taps = [(0, 0, 0.0); N];
+    let (mut k, mut j) = (0, -reach);
+    while j <= reach {
+        let mut i = -reach;
+        while i <= reach {
+            if i != 0 || j != 0 {
+                taps[k] = (i, j, factors[i.unsigned_abs() as usize] * factors[j.unsigned_abs() as usize]);
+                k += 1;
+            }
+            i += 1;
+        }
+        j += 1;
+    }
+    taps
+}
 
 /// The variance around a pixel: binomial mean over 3×3 pixels with a vertex; of the pixel alone where that is unknown.
 #[inline]
@@ -91,25 +117,12 @@ impl Denoiser for ATrous {
         let luminance = (!is_hole(own)).then(|| luminance_of(own));
         let variance = if self.weights.by_deviation() { smooth_variance(view, input, x, y, own) } else { own[3] };
         let around = self.weights.luminance_of(luminance, variance);
-        let mut mean = Mean::around(own);
-        let factors = &FACTORS[self.reach as usize - 1];
-        let reach = self.reach as i32;
-        for j in -reach..=reach {
-            for i in -reach..=reach {
-                let Some(q) = view.neighbour(x, y, i << pass, j << pass) else { continue };
-                let light = &input[q];
-                if q == p || is_hole(light) {
-                    continue;
-                }
-                let weight = self.weights.guides(guide, &guides[q]);
-                if weight > 0.0 {
-                    let shape = factors[i.unsigned_abs() as usize] * factors[j.unsigned_abs() as usize];
-                    let weight = weight * shape * around.weight(luminance_of(light));
-                    if weight > 0.0 {
-                        mean.add(weight, light);
-                    }
-                }
-            }
+        let mut mean = Mean::new(&self.weights, guide, own, around);
+        let taps: &[Tap] = if self.reach == 1 { &NINE } else { &TWENTY_FIVE };
+        for four in taps.as_chunks::<4>().0 {
+            let near = four.map(|(i, j, _)| view.neighbour(x, y, i << pass, j << pass));
+            let factor = core::array::from_fn(|k| if near[k].is_some() { four[k].2 } else { 0.0 });
+            add_at(&mut mean, guides, input, near.map(|q| q.unwrap_or(p)), Vec4::from_array(factor));
         }
         mean.finish().unwrap_or(*own)
     }

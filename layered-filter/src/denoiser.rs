@@ -1,8 +1,6 @@
 //! What a denoiser is: a pure function of a pixel's neighbourhood, pass by pass.
 
-use hashcache_core::glam::{Vec3, Vec4};
-
-use crate::image::{Light, View, is_hole};
+use crate::image::{Light, View};
 
 /// Removes noise from an image of illumination, guided by the vertices that its pixels show.
 ///
@@ -93,45 +91,5 @@ pub fn filter<D: Denoiser + ?Sized>(denoiser: &D, view: &View<'_>, image: &mut [
     for pass in 0..denoiser.passes() {
         filter_pixels(denoiser, pass, view, image, 0, scratch);
         image.copy_from_slice(scratch);
-    }
-}
-
-/// A weighted mean that leaves equal values alone, to the bit: differences to the pixel's own value are summed.
-pub(crate) struct Mean {
-    base: Vec4,
-    sum: Vec4,
-    variance: f32,
-}
-
-impl Mean {
-    /// Starts with a pixel's own value at weight 1, or with nothing for a hole.
-    #[inline]
-    pub(crate) fn around(own: &Light) -> Self {
-        if is_hole(own) {
-            return Self { base: Vec4::ZERO, sum: Vec4::ZERO, variance: 0.0 };
-        }
-        let base = Vec4::new(own[0], own[1], own[2], 0.0);
-        Self { base, sum: Vec4::W, variance: own[3] }
-    }
-
-    /// Adds a value; `weight` is above 0.
-    #[inline]
-    pub(crate) fn add(&mut self, weight: f32, light: &Light) {
-        let value = Vec4::new(light[0], light[1], light[2], 1.0);
-        self.sum += (value - self.base) * weight;
-        self.variance += weight * weight * light[3];
-    }
-
-    /// The mean and the variance of it, as of independent values; `None` without any.
-    #[inline]
-    pub(crate) fn finish(&self) -> Option<Light> {
-        let total = self.sum.w;
-        if !(total > 0.0) {
-            return None;
-        }
-        let recip = 1.0 / total;
-        let mean = self.base.truncate() + self.sum.truncate() * recip;
-        // A difference of large numbers may end an ulp below 0.
-        Some(mean.max(Vec3::ZERO).extend(self.variance * recip * recip).to_array())
     }
 }

@@ -1,7 +1,9 @@
 //! Fills holes, and finds the variance of pixels whose own samples do not tell it, both from like neighbours.
 
-use crate::denoiser::Mean;
-use crate::image::{Light, View, is_hole, luminance_of};
+use hashcache_core::glam::Vec4;
+
+use crate::image::{HOLE, Light, View, is_hole, luminance_of};
+use crate::mean::{Mean, add_at};
 use crate::weights::Weights;
 
 /// Rings that are searched for a hole's neighbours: 1, 2, 4 … 2⁵ = 32 pixels away. A hole is a cell's size wide, which
@@ -44,26 +46,26 @@ pub fn fill(weights: &Weights, view: &View<'_>, input: &[Light], x: u32, y: u32)
     (*own, Filled::Kept)
 }
 
+#[inline(never)]
 fn neighbours_mean(weights: &Weights, view: &View<'_>, input: &[Light], x: u32, y: u32) -> Option<Light> {
     const AROUND: [(i32, i32); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
     let guides = view.guides();
     let guide = &guides[y as usize * view.width() as usize + x as usize];
+    let around = weights.luminance_of(None, 0.0);
     (0..RINGS).find_map(|ring| {
-        let mut mean = Mean::around(&[0.0, 0.0, 0.0, crate::image::HOLE]);
-        for (dx, dy) in AROUND {
-            let Some(q) = view.neighbour(x, y, dx << ring, dy << ring) else { continue };
-            if is_hole(&input[q]) {
-                continue;
-            }
-            let weight = weights.guides(guide, &guides[q]);
-            if weight > 0.0 {
-                mean.add(weight, &input[q]);
-            }
+        let mut mean = Mean::new(weights, guide, &[0.0, 0.0, 0.0, HOLE], around);
+        for four in AROUND.as_chunks::<4>().0 {
+            let near = four.map(|(dx, dy)| view.neighbour(x, y, dx << ring, dy << ring));
+            let factor = near.map(|q| f32::from(q.is_some()));
+            // The pixel itself is a hole and is left out.
+            let own = y as usize * view.width() as usize + x as usize;
+            add_at(&mut mean, guides, input, near.map(|q| q.unwrap_or(own)), Vec4::from_array(factor));
         }
         mean.finish()
     })
 }
 
+#[inline(never)]
 fn spatial_variance(weights: &Weights, view: &View<'_>, input: &[Light], x: u32, y: u32) -> f32 {
     let guides = view.guides();
     let p = y as usize * view.width() as usize + x as usize;

@@ -13,10 +13,10 @@ use crate::pixel::LayerPixel;
 ///
 /// | bytes | field | xyz | w |
 /// |---|---|---|---|
-/// | 0..16 | `position_path` | position | D_i^Σ, path length from the camera |
-/// | 16..32 | `normal_segment` | unit normal | D_i, length of the last segment |
-/// | 32..48 | `albedo_shininess` | C_i, albedo | α, shininess: 0 diffuse, above 0 glossy, below 0 no vertex |
-/// | 48..64 | `throughput` | T_i, throughput of the ray that goes on from here | 0 |
+/// | 0..16 | `position_path` | position | Dᵢ^Σ, path length from the camera |
+/// | 16..32 | `normal_segment` | unit normal | Dᵢ, length of the last segment |
+/// | 32..48 | `albedo_shininess` | Cᵢ, albedo | α, shininess: 0 diffuse, above 0 glossy, below 0 no vertex |
+/// | 48..64 | `throughput` | Tᵢ, throughput of the ray that goes on from here | samples behind the illumination; 0: unknown |
 ///
 /// # Units
 /// Lengths in scene units; albedo and throughput are plain factors.
@@ -26,13 +26,14 @@ use crate::pixel::LayerPixel;
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct GuideRecord {
-    /// Position; w: path length from the camera, D_i^Σ.
+    /// Position; w: path length from the camera, Dᵢ^Σ.
     pub position_path: [f32; 4],
-    /// Unit normal; w: length of the segment that arrives here, D_i.
+    /// Unit normal; w: length of the segment that arrives here, Dᵢ.
     pub normal_segment: [f32; 4],
     /// Albedo of the diffuse lobe, 1 where light only passes on; w: shininess, 0 for a diffuse vertex, below 0 for none.
     pub albedo_shininess: [f32; 4],
-    /// Throughput of the ray that leaves towards layer i+1; w is 0.
+    /// Throughput of the ray that leaves towards layer i+1; w: number of samples behind the vertex's illumination, 0 where
+    /// that is not known.
     pub throughput: [f32; 4],
 }
 
@@ -66,13 +67,14 @@ impl GuideScale {
     }
 }
 
-/// A guide as the filter's inner loop reads it (48 bytes): lengths in scene radii, the albedo in L\*a\*b\*.
+/// A guide as the filter's inner loop reads it (64 bytes, a line of the memory's caches): lengths in scene radii, the albedo in L\*a\*b\*.
 ///
 /// | bytes | field | xyz | w |
 /// |---|---|---|---|
 /// | 0..16 | `normal_path` | unit normal | D^Σ / radius |
 /// | 16..32 | `position_segment` | position / radius | D / radius |
 /// | 32..48 | `lab_shininess` | L\*a\*b\* of the albedo | α; below 0: no vertex |
+/// | 48..64 | `support` | samples behind the illumination (0: unknown), 0, 0 | 0 |
 ///
 /// A guide with any component that is not finite belongs to no other pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -84,20 +86,26 @@ pub struct PreparedGuide {
     pub position_segment: [f32; 4],
     /// Albedo in L\*a\*b\*; w: shininess, below 0 for a pixel without a vertex.
     pub lab_shininess: [f32; 4],
+    /// Number of samples behind the illumination, 0 where that is not known; the rest is 0.
+    pub support: [f32; 4],
 }
 
 impl PreparedGuide {
     /// A pixel without a vertex.
-    pub const NONE: Self =
-        Self { normal_path: [0.0; 4], position_segment: [0.0; 4], lab_shininess: [0.0, 0.0, 0.0, -1.0] };
+    pub const NONE: Self = Self {
+        normal_path: [0.0; 4],
+        position_segment: [0.0; 4],
+        lab_shininess: [0.0, 0.0, 0.0, -1.0],
+        support: [0.0; 4],
+    };
 
     /// The guide of a layer's vertex.
     pub fn new(scale: &GuideScale, record: &GuideRecord) -> Self {
         let [px, py, pz, path] = record.position_path;
         let [nx, ny, nz, segment] = record.normal_segment;
         let [r, g, b, shininess] = record.albedo_shininess;
-        // NaN is no vertex.
-        if !(shininess >= 0.0) {
+        // NaN is no vertex either.
+        if shininess.is_nan() || shininess < 0.0 {
             return Self::NONE;
         }
         let s = scale.recip_radius;
@@ -106,6 +114,7 @@ impl PreparedGuide {
             normal_path: [nx, ny, nz, path * s],
             position_segment: [px * s, py * s, pz * s, segment * s],
             lab_shininess: lab.extend(shininess).to_array(),
+            support: [record.throughput[3], 0.0, 0.0, 0.0],
         }
     }
 
@@ -124,6 +133,7 @@ impl PreparedGuide {
             normal_path: normal.extend(length).to_array(),
             position_segment: [px * s, py * s, pz * s, length],
             lab_shininess: lab_from_linear(Vec3::new(r, g, b) * recip).extend(0.0).to_array(),
+            support: [pixel.support(), 0.0, 0.0, 0.0],
         }
     }
 

@@ -13,11 +13,15 @@ pub type Light = [f32; 4];
 /// The variance that marks a pixel without illumination.
 pub const HOLE: f32 = -1.0;
 
-/// Whether a pixel has no illumination. NaN counts as a hole.
+/// The largest luminance that counts as light, 2¹⁰⁰: sums of products over a pixel's neighbours stay finite.
+pub const LARGEST: f32 = f32::from_bits((127 + 100) << 23);
+
+/// Whether a pixel has no illumination. Light that is not finite, or beyond [`LARGEST`], is none.
 #[inline]
 pub fn is_hole(light: &Light) -> bool {
-    // Not `< 0`: NaN is a hole too.
-    !(light[3] >= 0.0)
+    // False for NaN.
+    let known = light[3] >= 0.0 && luminance_of(light).abs() <= LARGEST;
+    !known
 }
 
 /// Luminance of linear Rec. 709 light.
@@ -72,6 +76,14 @@ impl<'a> View<'a> {
     #[inline]
     pub const fn guides(&self) -> &'a [PreparedGuide] {
         self.guides
+    }
+
+    /// Whether all pixels up to `reach` away in both directions lie inside.
+    #[inline]
+    pub const fn is_inner(&self, x: u32, y: u32, reach: u32) -> bool {
+        // In u64, so that no sum wraps.
+        let (x, y, reach) = (x as u64, y as u64, reach as u64);
+        x >= reach && y >= reach && x + reach < self.width as u64 && y + reach < self.height as u64
     }
 
     /// Index of the pixel at `(x + dx, y + dy)`, unless that is outside.

@@ -219,11 +219,16 @@ fn fill_holes(launch: &mut Launch<'_>) {
     let Some((view, input)) = view(launch, params) else { return };
     let mut counters = FilterCounters::default();
     let first = launch.first + params.first;
-    for (i, out) in (first..).zip(launch.output::<Light>(2)) {
-        let (light, filled) = fill(weights, &view, input, i % params.width, i / params.width);
+    let (mut x, mut y) = (first % params.width, first / params.width);
+    for out in launch.output::<Light>(2) {
+        let (light, filled) = fill(weights, &view, input, x, y);
         *out = light;
         counters.filled += u64::from(filled == Filled::Filled);
         counters.empty += u64::from(filled == Filled::Empty);
+        x += 1;
+        if x == params.width {
+            (x, y) = (0, y + 1);
+        }
     }
     add(launch, 3, &counters);
 }

@@ -23,14 +23,19 @@ const LINEAR_SLOPE: f32 = 24_389.0 / (27.0 * 116.0);
 /// ```
 #[inline]
 pub fn lab_from_linear(rgb: Vec3) -> Vec3 {
-    // `max` turns NaN into 0.
-    let rgb = Vec3::new(rgb.x.max(0.0).min(1.0), rgb.y.max(0.0).min(1.0), rgb.z.max(0.0).min(1.0));
+    let rgb = Vec3::from_array(rgb.to_array().map(reflectance));
     // Rows of the Rec. 709 matrix, each divided by its sum: the white's X, Y, Z.
     let x = 0.433_953 * rgb.x + 0.376_219 * rgb.y + 0.189_828 * rgb.z;
     let y = 0.212_639 * rgb.x + 0.715_169 * rgb.y + 0.072_192 * rgb.z;
     let z = 0.017_758 * rgb.x + 0.109_477 * rgb.y + 0.872_765 * rgb.z;
     let (fx, fy, fz) = (compressed(x), compressed(y), compressed(z));
     Vec3::new(116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz))
+}
+
+/// Within 0..=1, and 0 for NaN.
+#[inline]
+fn reflectance(v: f32) -> f32 {
+    if v > 0.0 { v.min(1.0) } else { 0.0 }
 }
 
 #[inline]

@@ -14,18 +14,18 @@ use crate::weights::Weights;
 /// One layer of an image: the i-th vertices of all pixels' paths.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
-    /// What the vertices are: albedo C_i and throughput T_i are taken from here.
+    /// What the vertices are: albedo Cᵢ and throughput Tᵢ are taken from here.
     pub records: &'a [GuideRecord],
     /// The guides of `records`, by [`PreparedGuide::new`].
     pub guides: &'a [PreparedGuide],
-    /// Illumination E_i found at the vertices themselves; black where light only passes on.
+    /// Illumination Eᵢ found at the vertices themselves; black where light only passes on.
     pub illumination: &'a [Light],
 }
 
 /// Working memory of the composition: three images.
 #[derive(Debug)]
 pub struct Scratch<'a> {
-    /// The layer at work: A_i.
+    /// The layer at work: Aᵢ.
     pub filtered: &'a mut [Light],
     /// What the layers behind send to the one at work.
     pub carried: &'a mut [Light],
@@ -36,8 +36,8 @@ pub struct Scratch<'a> {
 /// Filters the layers, deepest first, and writes the radiance that leaves the first vertices to `radiance` (rgb, 0);
 /// returns the number of holes that stayed holes.
 ///
-/// Deepest first, A_i = filter(E_i + carried_i), carried_{i−1} = A_i·C_i·T_{i−1}; the result is A_1·C_1. `layers[0]` is the
-/// first vertex. Holes in E_i are filled by `weights` first; what stays a hole counts as black.
+/// Deepest first, Aᵢ = filter(Eᵢ + carriedᵢ), carriedᵢ₋₁ = Aᵢ·Cᵢ·Tᵢ₋₁; the result is A₁·C₁. `layers[0]` is the
+/// first vertex. Holes in Eᵢ are filled by `weights` first; what stays a hole counts as black.
 ///
 /// # Panics
 /// When a slice has another number of pixels than `width` × `height`.
@@ -90,7 +90,7 @@ pub fn compose_screen<D: Denoiser + ?Sized>(
     empty
 }
 
-/// `filtered` = E_i with its holes filled + carried.
+/// `filtered` = Eᵢ with its holes filled + carried.
 fn gather_layer(weights: &Weights, view: &View<'_>, layer: &Layer<'_>, scratch: &mut Scratch<'_>) -> u32 {
     assert!(layer.illumination.len() == view.pixels(), "as much illumination as pixels");
     let mut empty = 0;
@@ -115,11 +115,11 @@ fn gather_layer(weights: &Weights, view: &View<'_>, layer: &Layer<'_>, scratch: 
     empty
 }
 
-/// `carried` = A_i·C_i·T_{i−1}, with T = 1 in front of the first vertex.
+/// `carried` = Aᵢ·Cᵢ·Tᵢ₋₁, with T = 1 in front of the first vertex.
 fn carry(records: &[GuideRecord], front: Option<&[GuideRecord]>, filtered: &[Light], carried: &mut [Light]) {
     for (i, (record, light)) in records.iter().zip(filtered).enumerate() {
         let [r, g, b, shininess] = record.albedo_shininess;
-        if !(shininess >= 0.0) || is_hole(light) {
+        if shininess.is_nan() || shininess < 0.0 || is_hole(light) {
             carried[i] = [0.0; 4];
             continue;
         }

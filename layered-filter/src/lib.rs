@@ -17,6 +17,7 @@ pub mod kernels;
 pub mod lab;
 pub mod layers;
 pub mod log;
+mod mean;
 pub mod pixel;
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
 mod stages;

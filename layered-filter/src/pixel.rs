@@ -217,6 +217,12 @@ impl LayerPixel {
         sum / (self.counts[0].max(1) as f32)
     }
 
+    /// Mean number of the cache's samples behind an answer; 0 without one.
+    #[inline]
+    pub const fn support(&self) -> f32 {
+        if self.normal[3] > 0.0 { self.emitted[3] / self.normal[3] } else { 0.0 }
+    }
+
     /// Mean of the light that bypasses the vertices, over all samples.
     #[inline]
     pub fn mean_emitted(&self) -> Vec3 {

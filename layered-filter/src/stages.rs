@@ -48,15 +48,6 @@ impl Filter {
             Self::ATrous(_) => Some(&ATROUS),
         }
     }
-
-    /// The weights by which holes are filled.
-    fn weights(&self) -> Weights {
-        match self {
-            Self::None => Weights::new(&WeightSettings::PAPER).expect("the paper's values are in range"),
-            Self::CrossBilateral(denoiser) => *denoiser.weights(),
-            Self::ATrous(denoiser) => *denoiser.weights(),
-        }
-    }
 }
 
 /// What a picture's filter is built with.
@@ -84,13 +75,14 @@ pub struct FilterSettings {
 /// [`filter`](Self::filter); then [`radiance`](Self::radiance) is the picture. Sums stay until [`clear`](Self::clear), so
 /// a camera at rest converges.
 ///
-/// Per pixel: 128 bytes of sums, 48 of guides, 16 of radiance and 32 an image (16 for direct light that is not apart), 240
-/// or 256 in all.
+/// Per pixel: 128 bytes of sums, 64 of guides, 16 of radiance and 32 an image (16 for direct light that is not apart), 256
+/// or 272 in all.
 #[derive(Debug)]
 pub struct FilterStages {
     settings: FilterSettings,
     scale: GuideScale,
     gather: GatherParams,
+    surface: Weights,
     buffers: Option<Buffers>,
 }
 
@@ -129,7 +121,8 @@ impl FilterStages {
         ParamError::check_range("height", f64::from(settings.height), 1.0, 65_535.0)?;
         let scale = GuideScale::new(settings.radius)?;
         let gather = GatherParams::new(settings.pixel_angle, settings.direct, 1, 1)?;
-        Ok(Self { settings: *settings, scale, gather, buffers: None })
+        let surface = Weights::new(&WeightSettings::surface(settings.pixel_angle))?;
+        Ok(Self { settings: *settings, scale, gather, surface, buffers: None })
     }
 
     /// The settings.
@@ -149,6 +142,7 @@ impl FilterStages {
     /// [`ParamError`] when the angle is out of range.
     pub fn set_pixel_angle(&mut self, pixel_angle: f32) -> Result<(), ParamError> {
         self.gather = GatherParams::new(pixel_angle, self.settings.direct, 1, 1)?;
+        self.surface = Weights::new(&WeightSettings::surface(pixel_angle))?;
         self.settings.pixel_angle = pixel_angle;
         Ok(())
     }
@@ -297,7 +291,7 @@ impl FilterStages {
         let guides = part(buffers.guides, size_of::<PreparedGuide>() as u64, 0, count);
         let counters = Binding { buffer: buffers.counters, offset: 0, size: COUNTER_BYTES };
         let bindings = [guides, part(from, LIGHT, 0, count), part(to, LIGHT, 0, count), counters];
-        let params = self.block(0, &filter.weights());
+        let params = self.block(0, &self.fill_weights(filter));
         backend.dispatch(&FILL, &params, &bindings, Items::Count(count))?;
         (from, to) = (to, from);
         let Some(kernel) = filter.kernel() else { return Ok(from) };
@@ -312,6 +306,15 @@ impl FilterStages {
             (from, to) = (to, from);
         }
         Ok(from)
+    }
+
+    /// The weights by which holes are filled: the filter's own.
+    fn fill_weights(&self, filter: &Filter) -> Weights {
+        match filter {
+            Filter::None => self.surface,
+            Filter::CrossBilateral(denoiser) => *denoiser.weights(),
+            Filter::ATrous(denoiser) => *denoiser.weights(),
+        }
     }
 
     /// The parameter block of a kernel that reads neighbours.
@@ -377,4 +380,4 @@ fn part(buffer: BufferId, stride: u64, first: u32, count: u32) -> Binding {
 
 // The strides that the kernels declare are those of the records.
 const _: () = assert!(size_of::<VertexRecord>() == 96 && size_of::<EstimateRecord>() == 32);
-const _: () = assert!(size_of::<LayerPixel>() == 128 && size_of::<PreparedGuide>() == 48);
+const _: () = assert!(size_of::<LayerPixel>() == 128 && size_of::<PreparedGuide>() == 64);
