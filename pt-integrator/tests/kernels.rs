@@ -20,8 +20,8 @@ use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::glam::Vec3;
 use pt_integrator::kernels::{
-    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, RESOLVE, TRACE_FILM, TRACE_RECORDS, TRACE_VISIBLE, TraceParams,
-    VisibleParams, trace_records,
+    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, FIRST_VERTICES, FirstParams, RESOLVE, TRACE_FILM, TRACE_RECORDS,
+    TRACE_VISIBLE, TraceParams, VisibleParams, trace_records,
 };
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
@@ -191,6 +191,11 @@ fn further_vertices_stand_behind_the_first() {
         let mut cut = none(store);
         trace(kernel, 9.0, &params(1, 4), &mut cut, 7);
         assert_eq!(records, cut);
+        let of_first = FirstParams { store, reserved: [0; 3] };
+        let mut alone = none(1);
+        let out = cast_slice_mut(&mut alone);
+        run(&FIRST_VERTICES, bytes_of(&of_first), &[cast_slice(&records)], out, None, None, 13);
+        assert_eq!(alone, first);
         let mut seeds: Vec<u32> = records.iter().map(|r| r.seed).collect();
         for (records, first) in records.chunks_exact(store as usize).zip(&first) {
             assert_eq!(records[0], *first);

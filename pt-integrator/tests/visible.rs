@@ -101,7 +101,7 @@ fn direct_light_is_the_path_tracers() {
                 .map(|i| trace_path(&view, &caster, &mut Independent::new(i, 3), &ray, &path, &mut counts))
                 .collect();
             let (expected, sigma) = mean_and_error(whole.iter().map(|o| o.direct));
-            for direct in SETTINGS {
+            for direct in SETTINGS.into_iter().chain([DirectSettings::new(2, &view)]) {
                 let (seen, counts) = visible(&scene, &ray, direct, 16_000 / (direct.all() + direct.scattered).max(4));
                 let (mean, error) = mean_and_error(seen.iter().map(|o| o.direct));
                 let bound = 4.5 * sigma.hypot(error) + 1e-5 * expected;
