@@ -10,20 +10,21 @@ use glam::Vec3;
 
 use super::cell::{CellRecord, ExactCell};
 use super::cells::{ReadCells, SharedCells};
-use super::deposit::deposit_vertices;
+use super::deposit::deposit_samples;
+use super::grid::Grid;
 use super::lookup::estimate_vertices;
 use super::merge::merge_entries;
 use super::owned::OwnedOctree;
 use super::params::OctreeParams;
 use super::pending::{MAX_RECORDS, Pending, add_counters, counters_in};
+use super::sample::{NO_SAMPLE, Sample, sample_vertices};
 use crate::counters::Counters;
 use crate::record::VertexRecord;
 use crate::traits::{Estimate, RadianceCache};
 
 /// An octree, its cells in layout `C`, and its counters, as a [`RadianceCache`].
 ///
-/// `record` only remembers the vertex (96 bytes); `end_frame` merges all remembered vertices at once, so their order has
-/// no influence.
+/// `record` only remembers a sample (28 bytes); `end_frame` merges all samples at once, so their order has no influence.
 ///
 /// ```
 /// use hashcache_core::geometry::{Geometry, Instance, Mesh};
@@ -57,11 +58,13 @@ use crate::traits::{Estimate, RadianceCache};
 #[derive(Debug)]
 pub struct OctreeCache<C = ExactCell> {
     octree: Arc<OwnedOctree>,
+    grid: Grid,
     params: OctreeParams,
     cells: Vec<AtomicU32>,
     marks: Vec<AtomicU32>,
     lists: Vec<AtomicU32>,
-    recorded: Vec<VertexRecord>,
+    /// Keys and samples of the open frame.
+    recorded: Vec<(u32, Sample)>,
     /// Number of frames so far, plus 1: what the next wipe is known by.
     frame: u32,
     layout: PhantomData<C>,
@@ -89,6 +92,7 @@ impl<C: CellRecord> OctreeCache<C> {
             lists: Vec::new(),
             recorded: Vec::new(),
             frame: 1,
+            grid: *octree.view().grid(),
             octree,
             layout: PhantomData,
         }
@@ -134,17 +138,17 @@ impl<C: CellRecord> OctreeCache<C> {
         SharedCells::new(&self.cells)
     }
 
-    /// Merges up to [`MAX_RECORDS`] vertices.
-    fn merge(&mut self, vertices: &[VertexRecord]) {
+    /// Merges up to [`MAX_RECORDS`] samples.
+    fn merge(&mut self, samples: &[Sample]) {
         let octree = self.octree.view();
-        let [_, lists] = Pending::words(0, vertices.len() as u32);
+        let [_, lists] = Pending::words(0, samples.len() as u32);
         if (self.lists.len() as u64) < lists {
             self.lists = zeroed(lists);
         }
         let Ok(pending) = Pending::new(&self.marks, &self.lists, octree.cells()) else { return };
         let cells = SharedCells::<C>::new(&self.cells);
         let mut counters = Counters::default();
-        deposit_vertices(&octree, &cells, &pending, &self.params, vertices, &mut counters);
+        deposit_samples(&octree, &cells, &pending, samples, &mut counters);
         for level in 0..=octree.grid().levels {
             merge_entries(&octree, &cells, &pending, &self.params, level, 0..pending.capacity());
         }
@@ -154,7 +158,15 @@ impl<C: CellRecord> OctreeCache<C> {
 
 impl<C: CellRecord> RadianceCache for OctreeCache<C> {
     fn record(&mut self, vertex: &VertexRecord) {
-        self.recorded.push(*vertex);
+        let mut counters = Counters::default();
+        let (grid, vertex) = (self.grid, slice::from_ref(vertex));
+        let recorded = &mut self.recorded;
+        sample_vertices(&grid, &self.params, vertex, &mut counters, |_, key, sample| {
+            if key != NO_SAMPLE {
+                recorded.push((key, sample));
+            }
+        });
+        add_counters(&self.marks, &counters);
     }
 
     fn estimate(&self, vertex: &VertexRecord) -> Estimate {
@@ -167,12 +179,11 @@ impl<C: CellRecord> RadianceCache for OctreeCache<C> {
     }
 
     fn end_frame(&mut self) {
-        let recorded = core::mem::take(&mut self.recorded);
-        for part in recorded.chunks(MAX_RECORDS as usize) {
+        self.recorded.sort_unstable_by_key(|(key, _)| *key);
+        let samples: Vec<_> = self.recorded.drain(..).map(|(_, sample)| sample).collect();
+        for part in samples.chunks(MAX_RECORDS as usize) {
             self.merge(part);
         }
-        self.recorded = recorded;
-        self.recorded.clear();
         self.frame = self.frame.wrapping_add(1);
     }
 }

@@ -1,32 +1,43 @@
 //! The octree's steps as kernels: host bodies over borrowed slices.
 //!
-//! | kernel | items | structure | cells | vertices | marks | lists | estimates |
-//! |---|---|---|---|---|---|---|---|
-//! | [`Kernels::deposit`] | vertices | read | read | read | added to | added to | |
-//! | [`Kernels::merge`] | entries | read | written | | added to | added to | |
-//! | [`Kernels::lookup`] | vertices | read | read | read | added to | | written |
+//! | kernel | items | reads | writes | adds to |
+//! |---|---|---|---|---|
+//! | [`RECORD`] | vertices | structure, vertices | samples, keys | counters |
+//! | [`ARRANGE`] | samples | samples | order, sorted | |
+//! | [`Kernels::deposit`] | samples | structure, cells, sorted | | marks, lists, counters |
+//! | [`Kernels::merge`] | entries | structure | cells | marks, lists |
+//! | [`Kernels::lookup`] | vertices | structure, cells, vertices | estimates | counters |
 //!
-//! `structure` holds the words of an [`Octree`]; `marks` and `lists` are those of [`Pending`]; the parameter block of all
-//! is [`OctreeParams`]. On buffers that do not fit each other the bodies raise [`Status::TABLE_FULL`] and do nothing.
+//! `structure` holds the words of an [`Octree`]; `marks` (with the counters in front) and `lists` are those of
+//! [`Pending`]; `samples` are [`Sample`]s, `keys` their keys, `order` the numbers from 0 on, which the primitive
+//! `sort_pairs` turns into the samples' order by keys between the first two kernels. The parameter block of all is
+//! [`OctreeParams`]. On buffers that do not fit each other the bodies raise [`Status::TABLE_FULL`] and do nothing.
+
+use core::sync::atomic::Ordering::Relaxed;
 
 use backend_api::{Access, BindingDecl, Kernel, Launch, Status};
+use bytemuck::{Pod, Zeroable};
 
 use super::cell::{CellRecord, ExactCell, Layout, PaperCell};
 use super::cells::SharedCells;
-use super::deposit::deposit_vertices;
+use super::deposit::deposit_samples;
 use super::lookup::estimate_vertices;
 use super::merge::merge_entries;
 use super::params::OctreeParams;
 use super::pending::{ENTRY_WORDS, Pending, add_counters};
+use super::sample::{Sample, sample_vertices};
 use super::view::Octree;
 use crate::counters::Counters;
 use crate::record::VertexRecord;
 use crate::stages::EstimateRecord;
 
+/// Words of a [`Sample`].
+const SAMPLE_WORDS: usize = size_of::<Sample>() / 4;
+
 /// The kernels of one layout of cells.
 #[derive(Clone, Copy)]
 pub struct Kernels {
-    /// Adds vertices to a frame's sums. Raises [`Status::TABLE_FULL`] when there was no room, [`Status::NON_FINITE`].
+    /// Adds sorted samples to a frame's sums. Raises [`Status::TABLE_FULL`] when there was no room.
     pub deposit: &'static Kernel,
     /// Merges one level's sums into its cells, see [`merge_entries`].
     pub merge: &'static Kernel,
@@ -52,6 +63,12 @@ const STRUCTURE: BindingDecl = decl("hc_structure", Access::In, 4);
 const VERTICES: BindingDecl = decl("hc_vertices", Access::In, size_of::<VertexRecord>());
 const MARKS: BindingDecl = decl("hc_marks", Access::AtomicU32, 4);
 const LISTS: BindingDecl = decl("hc_lists", Access::AtomicU32, 8 * ENTRY_WORDS);
+const SAMPLES: BindingDecl = decl("hc_samples", Access::AtomicU32, size_of::<Sample>());
+const KEYS: BindingDecl = decl("hc_keys", Access::AtomicU32, 4);
+const ORDER: BindingDecl = decl("hc_order", Access::OutPerItem, 4);
+const SORTED_FROM: BindingDecl = decl("hc_samples", Access::In, size_of::<Sample>());
+const SORTED_TO: BindingDecl = decl("hc_sorted", Access::OutPerItem, size_of::<Sample>());
+const SORTED: BindingDecl = decl("hc_sorted", Access::In, size_of::<Sample>());
 const ESTIMATES: BindingDecl = decl("hc_estimates", Access::OutPerItem, size_of::<EstimateRecord>());
 
 const fn cells<C: CellRecord>(access: Access) -> BindingDecl {
@@ -71,11 +88,19 @@ macro_rules! kernel {
     };
 }
 
+/// Makes samples of vertices. Raises [`Status::NON_FINITE`], and [`Status::TABLE_FULL`] where there was no room.
+pub static RECORD: Kernel = kernel!("octree.record", [STRUCTURE, VERTICES, SAMPLES, KEYS, MARKS], record);
+
+/// Puts samples into the order of their keys, and makes the order a row of numbers again.
+pub static ARRANGE: Kernel = kernel!("octree.arrange", [ORDER, SORTED_FROM, SORTED_TO], arrange);
+
+const _: () = assert!(RECORD.is_well_formed() && ARRANGE.is_well_formed());
+
 macro_rules! layout {
     ($kernels:ident, $cell:ty, $deposit:literal, $merge:literal, $lookup:literal) => {
         static $kernels: Kernels = {
             static DEPOSIT: Kernel =
-                kernel!($deposit, [STRUCTURE, cells::<$cell>(Access::In), VERTICES, MARKS, LISTS], deposit::<$cell>);
+                kernel!($deposit, [STRUCTURE, cells::<$cell>(Access::In), SORTED, MARKS, LISTS], deposit::<$cell>);
             static MERGE: Kernel =
                 kernel!($merge, [STRUCTURE, cells::<$cell>(Access::AtomicU32), MARKS, LISTS], merge::<$cell>);
             static LOOKUP: Kernel =
@@ -106,21 +131,49 @@ fn pending<'a>(launch: &Launch<'a>, octree: &Octree<'_>, marks: usize) -> Option
     pending
 }
 
-fn vertices<'a>(launch: &Launch<'a>) -> &'a [VertexRecord] {
+/// The launch's part of an input.
+fn items<'a, T: Pod>(launch: &Launch<'a>, slot: usize) -> &'a [T] {
     let first = launch.first as usize;
-    &launch.input(2)[first..first + launch.count as usize]
+    &launch.input(slot)[first..first + launch.count as usize]
+}
+
+fn record(launch: &mut Launch<'_>) {
+    let Some((octree, params)) = octree(launch, usize::MAX) else { return };
+    let first = (params.first() as usize).saturating_add(launch.first as usize);
+    let count = launch.count as usize;
+    let keys = launch.atomic_u32(3).get(first..first + count);
+    let samples = launch.atomic_u32(2).get(first * SAMPLE_WORDS..(first + count) * SAMPLE_WORDS);
+    let (Some(keys), Some(samples)) = (keys, samples) else { return launch.raise(Status::TABLE_FULL) };
+    let mut counters = Counters::default();
+    sample_vertices(octree.grid(), params, items(launch, 1), &mut counters, |i, key, sample| {
+        keys[i].store(key, Relaxed);
+        let words: [u32; SAMPLE_WORDS] = bytemuck::cast(sample);
+        for (to, word) in samples[i * SAMPLE_WORDS..].iter().zip(words) {
+            to.store(word, Relaxed);
+        }
+    });
+    if counters.non_finite > 0 {
+        launch.raise(Status::NON_FINITE);
+    }
+    add_counters(launch.atomic_u32(4), &counters);
+}
+
+fn arrange(launch: &mut Launch<'_>) {
+    let samples = launch.input::<Sample>(1);
+    let (order, sorted) = (launch.output::<u32>(0), launch.output::<Sample>(2));
+    for ((number, from), to) in launch.items().zip(order).zip(sorted) {
+        *to = samples.get(*from as usize).copied().unwrap_or_else(Sample::zeroed);
+        *from = number;
+    }
 }
 
 fn deposit<C: CellRecord>(launch: &mut Launch<'_>) {
     let cells = launch.input::<C>(1);
-    let Some((octree, params)) = octree(launch, cells.len()) else { return };
+    let Some((octree, _)) = octree(launch, cells.len()) else { return };
     let Some(pending) = pending(launch, &octree, 3) else { return };
     let mut counters = Counters::default();
-    if deposit_vertices(&octree, cells, &pending, params, vertices(launch), &mut counters) {
+    if deposit_samples(&octree, cells, &pending, items(launch, 2), &mut counters) {
         launch.raise(Status::TABLE_FULL);
-    }
-    if counters.non_finite > 0 {
-        launch.raise(Status::NON_FINITE);
     }
     pending.add_counters(&counters);
 }
@@ -137,7 +190,7 @@ fn lookup<C: CellRecord>(launch: &mut Launch<'_>) {
     let Some((octree, params)) = octree(launch, cells.len()) else { return };
     let mut counters = Counters::default();
     let estimates = launch.output::<EstimateRecord>(4);
-    estimate_vertices(&octree, cells, params, vertices(launch), &mut counters, |i, estimate| {
+    estimate_vertices(&octree, cells, params, items(launch, 2), &mut counters, |i, estimate| {
         estimates[i] = EstimateRecord {
             direct: estimate.direct.extend(estimate.samples as f32).to_array(),
             further: estimate.further.extend(0.0).to_array(),

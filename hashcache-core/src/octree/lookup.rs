@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::block::cell_bit;
 use super::cell::{CellRecord, Side};
 use super::cells::ReadCells;
 use super::deposit::{BATCH, side_of};
@@ -28,8 +29,6 @@ struct Question {
     nearest: u32,
     /// Where to begin.
     first: u32,
-    /// The jittered cell of the first level, where there is one.
-    cell: Option<u32>,
 }
 
 impl Question {
@@ -40,35 +39,31 @@ impl Question {
         let (u, v) = (draw(a >> 16, params.jitter()), draw(b >> 16, params.jitter()));
         let offset = tangent_offset(octahedral_decode_int(vertex.normal), u, v);
         let nearest = level_with(footprint * factor, params.level_jitter(), c).min(octree.grid().levels - 1);
-        let mut question = Self {
+        Self {
             position: Vec3::new(x, y, z),
             offset: Vec3::from_array(offset.map(|v| v as f32)),
             nearest,
             first: nearest.saturating_sub(params.finer()),
-            cell: None,
-        };
-        question.cell = question.jittered(octree, question.first);
-        question
+        }
     }
 
-    /// The cell of a level at the jittered position.
+    /// The cell of a level at the jittered position, whether it is stored or not.
     #[inline]
-    fn jittered(&self, octree: &Octree<'_>, level: u32) -> Option<u32> {
+    fn jittered(&self, octree: &Octree<'_>, level: u32) -> Option<[u32; 3]> {
         let step = octree.grid().cell_size(level) * (1.0 / (1 << JITTER_BITS) as f32);
         cell_at(octree, self.position + self.offset * step, level)
     }
 
     /// The cell of a level at the vertex itself.
     #[inline]
-    fn plain(&self, octree: &Octree<'_>, level: u32) -> Option<u32> {
+    fn plain(&self, octree: &Octree<'_>, level: u32) -> Option<[u32; 3]> {
         cell_at(octree, self.position, level)
     }
 }
 
 #[inline]
-fn cell_at(octree: &Octree<'_>, p: Vec3, level: u32) -> Option<u32> {
-    let place = octree.coordinates(p)?;
-    octree.cell(level, place.map(|c| c >> level))
+fn cell_at(octree: &Octree<'_>, p: Vec3, level: u32) -> Option<[u32; 3]> {
+    Some(octree.coordinates(p)?.map(|c| c >> level))
 }
 
 /// ⌊log₂ `size` + `share`·u⌋ for a u in 0..1 from `random`; the logarithm is taken as linear between powers of two.
@@ -109,21 +104,30 @@ pub fn estimate_vertices<C: CellRecord>(
     for (b, batch) in vertices.chunks(BATCH).enumerate() {
         // Each step is a loop of its own: only so close together do its misses overlap.
         let mut questions = [None; BATCH];
-        for (to, vertex) in questions.iter_mut().zip(batch) {
-            *to = vertex.is_valid().then(|| Question::new(octree, params, factor, vertex));
+        let mut cells_asked = [[u32::MAX; 3]; BATCH];
+        for ((to, cell), vertex) in questions.iter_mut().zip(&mut cells_asked).zip(batch) {
+            if vertex.is_valid() {
+                let question = Question::new(octree, params, factor, vertex);
+                *cell = question.jittered(octree, question.first).unwrap_or([u32::MAX; 3]);
+                *to = Some(question);
+            }
+        }
+        let mut entries = [None; BATCH];
+        for ((entry, cell), question) in entries.iter_mut().zip(cells_asked).zip(&questions) {
+            *entry = question.as_ref().and_then(|question| octree.place(question.first, cell));
+        }
+        let mut indices = [None; BATCH];
+        for ((index, entry), cell) in indices.iter_mut().zip(entries).zip(cells_asked) {
+            *index = entry.and_then(|entry| octree.entry(entry).index(cell_bit(cell)));
         }
         let mut found = [None; BATCH];
-        for (to, question) in found.iter_mut().zip(questions.iter().flatten()) {
-            *to = question.cell.map(|cell| cells.get(cell));
+        for (to, index) in found.iter_mut().zip(indices) {
+            *to = index.map(|index| cells.get(index));
         }
-        let mut found = found.into_iter();
-        for (i, (vertex, question)) in batch.iter().zip(questions).enumerate() {
+        for (i, ((vertex, question), first)) in batch.iter().zip(questions).zip(found).enumerate() {
             let estimate = match question {
                 None => Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 },
-                Some(question) => {
-                    let first = found.next().flatten();
-                    estimate_vertex(octree, cells, params, vertex, &question, first, counters)
-                }
+                Some(question) => estimate_vertex(octree, cells, params, vertex, &question, first, counters),
             };
             answer(b * BATCH + i, estimate);
         }
@@ -142,17 +146,17 @@ fn estimate_vertex<C: CellRecord>(
 ) -> Estimate {
     counters.lookups += 1;
     let side = |cell: &C| side_in(params, cell, vertex.normal);
+    let read = |level: u32, cell: Option<[u32; 3]>| octree.cell(level, cell?).map(|cell| cells.get(cell));
     let mut best = Blend::new(params.shrinkage());
     let last = (question.nearest + params.max_climb()).min(octree.grid().levels - 1);
     for level in question.first..=last {
-        let jittered =
-            if level == question.first { first } else { question.jittered(octree, level).map(|cell| cells.get(cell)) };
+        let jittered = if level == question.first { first } else { read(level, question.jittered(octree, level)) };
         counters.probes += u64::from(jittered.is_some());
         let mut here = jittered.map_or(Side::default(), |cell| side(&cell));
         if here.count == 0 {
-            if let Some(cell) = question.plain(octree, level) {
+            if let Some(cell) = read(level, question.plain(octree, level)) {
                 counters.probes += 1;
-                here = side(&cells.get(cell));
+                here = side(&cell);
             }
         }
         best.add(&here, level);

@@ -7,7 +7,7 @@ use super::cells::{ReadCells, SharedCells};
 use super::deposit::{BATCH, side_of};
 use super::params::OctreeParams;
 use super::pending::{Entry, Owner, Pending};
-use super::view::Octree;
+use super::view::{NO_CELL, Octree};
 use crate::exact::mean;
 use crate::hash::pcg4d;
 
@@ -39,17 +39,7 @@ pub fn merge_entries<C: CellRecord>(
     }
 }
 
-/// What an entry hands on, and to whom.
-#[derive(Clone, Copy)]
-struct Handed {
-    entry: Entry,
-    /// The entry's normal.
-    normal: u32,
-    /// The parent, and its normal.
-    parent: Owner,
-    parent_normal: u32,
-}
-
+/// Merges a batch of entries, in steps that each overlap their cache misses.
 #[inline]
 fn merge_batch<C: CellRecord>(
     octree: &Octree<'_>,
@@ -59,37 +49,49 @@ fn merge_batch<C: CellRecord>(
     level: u32,
     entries: Range<u32>,
 ) {
+    let above = level + 1;
     let mut taken = [None; BATCH];
     for (to, entry) in taken.iter_mut().zip(entries) {
         *to = pending.take(level, entry);
     }
-    let above = level + 1;
-    let mut handed = [None; BATCH];
-    for (to, entry) in handed.iter_mut().zip(taken.into_iter().flatten()) {
-        let normal = match entry.owner {
-            Owner::Record(normal) => normal,
-            Owner::Cell(cell) => {
-                pending.unmark(cell);
-                merge_cell(cells, params, cell, &entry)
-            }
+    let mut normals = [0; BATCH];
+    let mut places = [[u32::MAX; 3]; BATCH];
+    for ((normal, place), entry) in normals.iter_mut().zip(&mut places).zip(&taken) {
+        let Some(entry) = entry else { continue };
+        *normal = match entry.owner {
+            Owner::Cell(cell) => cells.normal(cell),
+            Owner::Sample(normal) => normal,
         };
-        if above < octree.grid().levels {
-            let parent = octree.cell(above, entry.place.map(|c| c >> above));
-            let parent = parent.map_or(Owner::Record(normal), Owner::Cell);
-            *to = Some(Handed { entry, normal, parent, parent_normal: normal });
+        *place = entry.place.map(|c| c >> above);
+    }
+    let has_parents = above < octree.grid().levels;
+    let mut parents = [NO_CELL; BATCH];
+    let mut parent_normals = normals;
+    let mut wanted = 0;
+    if has_parents {
+        octree.find_cells(above, &places, &mut parents);
+        for ((parent, normal), entry) in parents.iter().zip(&mut parent_normals).zip(&taken) {
+            if *parent != NO_CELL {
+                *normal = cells.normal(*parent);
+                wanted += u32::from(pending.mark(*parent) == 0);
+            } else {
+                wanted += u32::from(entry.is_some());
+            }
         }
     }
-    let mut wanted = 0;
-    for handed in handed.iter_mut().flatten() {
-        if let Owner::Cell(parent) = handed.parent {
-            handed.parent_normal = cells.normal(parent);
-            wanted += u32::from(pending.mark(parent) == 0);
-        } else {
-            wanted += 1;
+    for entry in taken.iter().flatten() {
+        if let Owner::Cell(cell) = entry.owner {
+            pending.unmark(cell);
+            merge_cell(cells, params, cell, entry);
         }
+    }
+    if !has_parents {
+        return;
     }
     let mut reserved = pending.reserve(above, wanted);
-    for Handed { entry, normal, parent, parent_normal } in handed.into_iter().flatten() {
+    for (((entry, normal), parent), parent_normal) in taken.iter().zip(normals).zip(parents).zip(parent_normals) {
+        let Some(entry) = entry else { continue };
+        let parent = if parent == NO_CELL { Owner::Sample(normal) } else { Owner::Cell(parent) };
         // As many are reserved as are wanted, and a level has no more entries than the one below.
         let Some(to) = pending.claim(above, parent, entry.place, &mut reserved) else { continue };
         let front = side_of(parent_normal, normal);
@@ -101,9 +103,9 @@ fn merge_batch<C: CellRecord>(
     }
 }
 
-/// Merges an entry into its cell; the cell's normal.
+/// Merges an entry into its cell.
 #[inline]
-fn merge_cell<C: CellRecord>(cells: &SharedCells<'_, C>, params: &OctreeParams, index: u32, entry: &Entry) -> u32 {
+fn merge_cell<C: CellRecord>(cells: &SharedCells<'_, C>, params: &OctreeParams, index: u32, entry: &Entry) {
     let mut cell = cells.get(index);
     if cell.wiped() != params.wiped() {
         cell = C::empty(cell.normal(), params.wiped());
@@ -115,7 +117,6 @@ fn merge_cell<C: CellRecord>(cells: &SharedCells<'_, C>, params: &OctreeParams, 
         }
     }
     cells.set(index, &cell);
-    cell.normal()
 }
 
 /// Moves one side's mean by a frame's `count` samples that sum to `sums`.

@@ -11,6 +11,7 @@ mod lookup;
 mod merge;
 mod params;
 mod pending;
+mod sample;
 pub mod table;
 mod view;
 
@@ -42,7 +43,7 @@ mod validate;
 pub use block::BlockRef;
 pub use cell::{BACK, CellRecord, ExactCell, FRONT, Layout, PaperCell, Side, Sum};
 pub use cells::{ReadCells, SharedCells};
-pub use deposit::deposit_vertices;
+pub use deposit::deposit_samples;
 pub use error::{BuildError, OctreeError};
 pub use grid::{BLOCK, Grid, MAP_BITS, MARGIN_BITS, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use lookup::{SALT_LOOKUP, estimate_vertices};
@@ -53,6 +54,7 @@ pub use overlap::Window;
 pub use params::{JITTER_BITS, Light, OctreeParams, OctreeSettings};
 pub use pending::{ENTRY_WORDS, HEAD_WORDS, MAX_RECORDS, Pending};
 pub use validate::OctreeViolation;
+pub use sample::{NO_SAMPLE, Sample, sample_key, sample_vertices};
 pub use view::{NO_CELL, Octree};
 
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]

@@ -96,7 +96,9 @@ pub struct OctreeParams {
     /// Level of a merge.
     level: u32,
     shrinkage: u32,
-    reserved: [u32; 3],
+    /// Records of the frame before those of a batch.
+    first: u32,
+    reserved: [u32; 2],
 }
 
 impl OctreeParams {
@@ -143,7 +145,8 @@ impl OctreeParams {
             wiped: 0,
             level: 0,
             shrinkage: shrinkage.to_bits(),
-            reserved: [0; 3],
+            first: 0,
+            reserved: [0; 2],
         })
     }
 
@@ -158,6 +161,13 @@ impl OctreeParams {
     #[must_use]
     pub const fn with_level(mut self, level: u32) -> Self {
         self.level = level;
+        self
+    }
+
+    /// The same for a batch before which the frame has `first` records.
+    #[must_use]
+    pub const fn with_first(mut self, first: u32) -> Self {
+        self.first = first;
         self
     }
 
@@ -224,6 +234,11 @@ impl OctreeParams {
     /// Level of a merge.
     pub const fn level(&self) -> u32 {
         self.level
+    }
+
+    /// Records of the frame before those of a batch.
+    pub const fn first(&self) -> u32 {
+        self.first
     }
 }
 

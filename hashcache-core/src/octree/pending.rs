@@ -35,7 +35,7 @@ const COUNT: usize = 12;
 /// In an entry: whose it is.
 const OWNER: usize = 14;
 
-/// In an entry without a cell: the normal of the record.
+/// In an entry without a cell: the normal of the sample.
 const NORMAL: usize = 15;
 
 /// Owner of an entry that was reserved and not used.
@@ -51,8 +51,8 @@ const _: () = assert!(LISTS <= COUNTERS && COUNTERS + 2 * Counters::WORDS <= HEA
 pub(crate) enum Owner {
     /// A cell's.
     Cell(u32),
-    /// One record's, with this normal, that has no cell on this level; its light stands in front.
-    Record(u32),
+    /// One sample's, with this normal, that has no cell on this level; its light stands in front.
+    Sample(u32),
 }
 
 /// What an entry holds: for front and back the sums of red, green, blue in quanta, and the counts.
@@ -74,9 +74,9 @@ pub(crate) struct Entry {
 /// |---|---|
 /// | 0..6 | front: sums of red, green, blue, low word first |
 /// | 6..12 | back, likewise |
-/// | 12, 13 | number of records: front, back |
-/// | 14 | 1 + index of the cell; 0: not used; 2³² − 1: one record without a cell |
-/// | 15 | normal of the record without a cell |
+/// | 12, 13 | number of samples: front, back |
+/// | 14 | 1 + index of the cell; 0: not used; 2³² − 1: one sample without a cell |
+/// | 15 | normal of the sample without a cell |
 ///
 /// The lines of the first list stand first, then those of the second, then the places: two words an entry, 21 bits for
 /// each coordinate of the cell, or of the finest one below it.
@@ -187,7 +187,7 @@ impl<'a> Pending<'a> {
         let line = self.line(level, entry);
         match owner {
             Owner::Cell(cell) => line[OWNER].store(cell + 1, Relaxed),
-            Owner::Record(normal) => {
+            Owner::Sample(normal) => {
                 line[OWNER].store(HOMELESS, Relaxed);
                 line[NORMAL].store(normal, Relaxed);
             }
@@ -215,7 +215,7 @@ impl<'a> Pending<'a> {
         let line = self.line(level, entry);
         let owner = match line[OWNER].load(Relaxed) {
             NOBODY => return None,
-            HOMELESS => Owner::Record(line[NORMAL].load(Relaxed)),
+            HOMELESS => Owner::Sample(line[NORMAL].load(Relaxed)),
             cell => Owner::Cell(cell - 1),
         };
         let sum = |k: usize| pair(line[k].load(Relaxed), line[k + 1].load(Relaxed));

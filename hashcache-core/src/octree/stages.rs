@@ -4,13 +4,14 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use backend_api::{Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Ticket};
+use backend_api::{Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Primitive, Ticket};
 
 use super::cell::{CellRecord, ExactCell, Layout, PaperCell};
-use super::kernels::Kernels;
+use super::kernels::{ARRANGE, Kernels, RECORD};
 use super::owned::OwnedOctree;
 use super::params::OctreeParams;
 use super::pending::{MAX_RECORDS, Pending};
+use super::sample::Sample;
 use crate::counters::Counters;
 use crate::stages::CacheStages;
 
@@ -22,8 +23,9 @@ const WRITTEN: usize = 1 << 16;
 
 /// An octree and its data in the buffers of a backend.
 ///
-/// `record` adds a batch to the sums of the open frame; its buffer is free as soon as the dispatch has run. `update`
-/// merges the sums into the cells of all levels, once a frame. Lookups see what was merged.
+/// `record` keeps a sample of each vertex of a batch (24 bytes); the batch's buffer is free as soon as the dispatch has
+/// run. `update` sorts the samples by place, sums them and merges the sums into the cells of all levels, once a frame.
+/// Lookups see what was merged.
 ///
 /// A frame of more records than there is room for is merged in two parts, once; from then on there is room.
 /// [`reserve`](Self::reserve) makes room beforehand.
@@ -48,7 +50,7 @@ struct Buffers {
     structure: BufferId,
     cells: BufferId,
     marks: BufferId,
-    lists: BufferId,
+    frame: [BufferId; 5],
 }
 
 impl OctreeStages {
@@ -119,10 +121,11 @@ impl OctreeStages {
         4 * self.octree.words.len() as u64
     }
 
-    /// Bytes that an open frame needs beside: a word a cell, and 144 bytes for each record there is room for.
+    /// Bytes that an open frame needs beside: a word a cell, and 200 bytes for each record there is room for.
     pub fn frame_bytes(&self) -> u64 {
-        let [marks, lists] = Pending::words(self.cells(), self.capacity);
-        4 * (marks + lists)
+        let [marks, _] = Pending::words(self.cells(), 0);
+        let records: u64 = frame_buffers(self.capacity).iter().map(|desc| desc.size).sum();
+        4 * marks + records
     }
 
     /// The cells' buffer, once prepared.
@@ -132,7 +135,8 @@ impl OctreeStages {
 
     /// The most records of a frame that the lists can have room for.
     pub fn most_records<B: Backend + ?Sized>(backend: &B) -> u32 {
-        (backend.max_binding_size() / lists_bytes(1)).min(u64::from(MAX_RECORDS)) as u32
+        let [.., lists] = frame_buffers(1);
+        (backend.max_binding_size() / lists.size).min(u64::from(MAX_RECORDS)) as u32
     }
 
     /// Makes room for frames of `records` records; what is open is merged first.
@@ -143,16 +147,21 @@ impl OctreeStages {
         if records <= self.capacity {
             return Ok(());
         }
-        let size = lists_bytes(records);
-        let limit = lists_bytes(Self::most_records(backend));
-        if size > limit {
-            return Err(Error::BadSize { at: LISTS, size, limit });
+        let most = Self::most_records(backend);
+        if records > most {
+            let [.., lists] = frame_buffers(records);
+            return Err(Error::BadSize { at: lists.name, size: lists.size, limit: frame_buffers(most)[4].size });
         }
         if let Some(buffers) = self.buffers {
             self.merge(backend)?;
-            let lists = backend.create(&BufferDesc { name: LISTS, size })?;
-            backend.destroy(buffers.lists)?;
-            self.buffers = Some(Buffers { lists, ..buffers });
+            let frame = create(backend, &frame_buffers(records))?;
+            let old = buffers.frame;
+            self.buffers = Some(Buffers { frame, ..buffers });
+            self.capacity = records;
+            number(backend, frame, records)?;
+            for buffer in old {
+                backend.destroy(buffer)?;
+            }
         }
         self.capacity = records;
         Ok(())
@@ -187,8 +196,8 @@ impl OctreeStages {
     /// Those of the backend.
     pub fn release<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
         self.open = 0;
-        if let Some(Buffers { structure, cells, marks, lists }) = self.buffers.take() {
-            for buffer in [structure, cells, marks, lists] {
+        if let Some(Buffers { structure, cells, marks, frame }) = self.buffers.take() {
+            for buffer in [structure, cells, marks].into_iter().chain(frame) {
                 backend.destroy(buffer)?;
             }
         }
@@ -203,17 +212,23 @@ impl OctreeStages {
         self.buffers.ok_or(Error::UnknownBuffer { at })
     }
 
-    /// Bindings of structure, cells, marks and lists.
-    fn bindings(&self, kernel: &Kernel) -> Result<[Binding; 4], Error> {
-        let Buffers { structure, cells, marks, lists } = self.buffers(kernel.name)?;
+    /// Everything bound whole.
+    fn bindings(&self, kernel: &Kernel) -> Result<Bound, Error> {
+        let Buffers { structure, cells, marks, frame } = self.buffers(kernel.name)?;
         let [mark_words, _] = Pending::words(self.cells(), 0);
         let bind = |buffer, size| Binding { buffer, offset: 0, size };
-        Ok([
-            bind(structure, self.table_bytes()),
-            bind(cells, self.data_bytes()),
-            bind(marks, 4 * mark_words),
-            bind(lists, lists_bytes(self.capacity)),
-        ])
+        let sizes = frame_buffers(self.capacity).map(|desc| desc.size);
+        let [keys, order, samples, sorted, lists] = core::array::from_fn(|k| bind(frame[k], sizes[k]));
+        Ok(Bound {
+            structure: bind(structure, self.table_bytes()),
+            cells: bind(cells, self.data_bytes()),
+            marks: bind(marks, 4 * mark_words),
+            keys,
+            order,
+            samples,
+            sorted,
+            lists,
+        })
     }
 
     /// Merges what is open, level by level.
@@ -221,13 +236,18 @@ impl OctreeStages {
         if self.open == 0 {
             return Ok(());
         }
-        let kernel = self.kernels().merge;
-        let bindings = self.bindings(kernel)?;
+        let Kernels { deposit, merge, .. } = *self.kernels();
+        let Bound { structure, cells, marks, keys, order, samples, sorted, lists } = self.bindings(merge)?;
+        let count = self.open;
+        let items = Items::Count(count);
+        backend.primitive(Primitive::SortPairs { keys: keys.buffer, values: order.buffer, count })?;
+        let params = bytemuck::bytes_of(&self.params);
+        backend.dispatch(&ARRANGE, params, &[order, samples, sorted], items)?;
+        backend.dispatch(deposit, params, &[structure, cells, sorted, marks, lists], items)?;
         // No level has more entries than the frame has records.
-        let items = Items::Count(self.open);
         for level in 0..=self.levels {
             let params = self.params.with_level(level);
-            backend.dispatch(kernel, bytemuck::bytes_of(&params), &bindings, items)?;
+            backend.dispatch(merge, bytemuck::bytes_of(&params), &[structure, cells, marks, lists], items)?;
         }
         self.open = 0;
         self.frame = self.frame.wrapping_add(1);
@@ -257,34 +277,27 @@ impl OctreeStages {
 
     fn create<B: Backend>(&self, backend: &mut B) -> Result<Buffers, Error> {
         let [marks, _] = Pending::words(self.cells(), 0);
-        let sizes = [
-            ("octree.structure", self.table_bytes()),
-            ("octree.cells", self.data_bytes()),
-            ("octree.marks", 4 * marks),
-            (LISTS, lists_bytes(self.capacity)),
-        ];
-        let limit = backend.max_binding_size();
-        if let Some(&(at, size)) = sizes.iter().find(|(_, size)| *size > limit) {
-            return Err(Error::BadSize { at, size, limit });
-        }
-        let mut made = Vec::with_capacity(sizes.len());
-        for (name, size) in sizes {
-            match backend.create(&BufferDesc { name, size }) {
-                Ok(buffer) => made.push(buffer),
-                Err(error) => {
-                    for buffer in made {
-                        backend.destroy(buffer)?;
-                    }
-                    return Err(error);
-                }
-            }
-        }
-        let [structure, cells, marks, lists] = [made[0], made[1], made[2], made[3]];
-        Ok(Buffers { structure, cells, marks, lists })
+        let [keys, order, samples, sorted, lists] = frame_buffers(self.capacity);
+        let desc = |name, size| BufferDesc { name, size };
+        let [structure, cells, marks, frame @ ..]: [BufferId; 8] = create(
+            backend,
+            &[
+                desc("octree.structure", self.table_bytes()),
+                desc("octree.cells", self.data_bytes()),
+                desc("octree.marks", 4 * marks),
+                keys,
+                order,
+                samples,
+                sorted,
+                lists,
+            ],
+        )?;
+        Ok(Buffers { structure, cells, marks, frame })
     }
 
     /// Writes the tables, and empty cells with their normals.
     fn fill<B: Backend>(&self, backend: &mut B, buffers: &Buffers) -> Result<(), Error> {
+        number(backend, buffers.frame, self.capacity)?;
         backend.write(buffers.structure, 0, bytemuck::cast_slice(&self.octree.words))?;
         match self.layout {
             Layout::Exact => self.fill_cells::<ExactCell, B>(backend, buffers.cells),
@@ -303,10 +316,56 @@ impl OctreeStages {
     }
 }
 
-const LISTS: &str = "octree.lists";
+/// What kernels bind.
+struct Bound {
+    structure: Binding,
+    cells: Binding,
+    marks: Binding,
+    keys: Binding,
+    order: Binding,
+    samples: Binding,
+    sorted: Binding,
+    lists: Binding,
+}
 
-const fn lists_bytes(records: u32) -> u64 {
-    4 * Pending::words(0, records)[1]
+/// Buffers of an open frame with room for `records`: keys, order, samples, sorted samples, lists.
+const fn frame_buffers(records: u32) -> [BufferDesc; 5] {
+    let (words, samples) = (4 * records as u64, size_of::<Sample>() as u64 * records as u64);
+    let [_, lists] = Pending::words(0, records);
+    [
+        BufferDesc { name: "octree.keys", size: words },
+        BufferDesc { name: "octree.order", size: words },
+        BufferDesc { name: "octree.samples", size: samples },
+        BufferDesc { name: "octree.sorted", size: samples },
+        BufferDesc { name: "octree.lists", size: 4 * lists },
+    ]
+}
+
+/// Creates all buffers, or none.
+fn create<B: Backend, const N: usize>(backend: &mut B, all: &[BufferDesc; N]) -> Result<[BufferId; N], Error> {
+    let limit = backend.max_binding_size();
+    if let Some(&BufferDesc { name, size }) = all.iter().find(|desc| desc.size > limit) {
+        return Err(Error::BadSize { at: name, size, limit });
+    }
+    let mut made = [BufferId { index: 0, generation: 0 }; N];
+    for (k, desc) in all.iter().enumerate() {
+        match backend.create(desc) {
+            Ok(buffer) => made[k] = buffer,
+            Err(error) => {
+                for buffer in &made[..k] {
+                    backend.destroy(*buffer)?;
+                }
+                return Err(error);
+            }
+        }
+    }
+    Ok(made)
+}
+
+/// Numbers the order from 0 on.
+fn number<B: Backend>(backend: &mut B, frame: [BufferId; 5], records: u32) -> Result<(), Error> {
+    let order: Vec<u32> = (0..records).collect();
+    backend.write(frame[1], 0, bytemuck::cast_slice(&order))
 }
 
 impl<B: Backend> CacheStages<B> for OctreeStages {
@@ -331,10 +390,10 @@ impl<B: Backend> CacheStages<B> for OctreeStages {
         if wanted > self.capacity {
             self.merge_and_grow(backend, wanted, count)?;
         }
-        let kernel = self.kernels().deposit;
-        let [structure, cells, marks, lists] = self.bindings(kernel)?;
-        let bindings = [structure, cells, records, marks, lists];
-        backend.dispatch(kernel, bytemuck::bytes_of(&self.params), &bindings, Items::Count(count))?;
+        let Bound { structure, marks, keys, samples, .. } = self.bindings(&RECORD)?;
+        let params = self.params.with_first(self.open);
+        let bindings = [structure, records, samples, keys, marks];
+        backend.dispatch(&RECORD, bytemuck::bytes_of(&params), &bindings, Items::Count(count))?;
         self.open += count;
         Ok(())
     }
@@ -347,13 +406,13 @@ impl<B: Backend> CacheStages<B> for OctreeStages {
     fn query(&mut self, backend: &mut B, records: Binding, estimates: Binding, count: u32) -> Result<(), Error> {
         self.apply_wipe(backend)?;
         let kernel = self.kernels().lookup;
-        let [structure, cells, marks, _] = self.bindings(kernel)?;
+        let Bound { structure, cells, marks, .. } = self.bindings(kernel)?;
         let bindings = [structure, cells, records, marks, estimates];
         backend.dispatch(kernel, bytemuck::bytes_of(&self.params), &bindings, Items::Count(count))
     }
 
     fn kernels(&self) -> Vec<&'static str> {
         let Kernels { deposit, merge, lookup } = Self::kernels(self);
-        vec![deposit.name, merge.name, lookup.name]
+        vec![RECORD.name, "sort_pairs", ARRANGE.name, deposit.name, merge.name, lookup.name]
     }
 }

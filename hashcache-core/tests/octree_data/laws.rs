@@ -4,8 +4,8 @@ use hashcache_core::counters::Counters;
 use hashcache_core::exact::{Quantum, mean, quantize};
 use hashcache_core::glam::Vec3;
 use hashcache_core::octree::{
-    CellRecord, ExactCell, Light, OctreeCache, OctreeParams, OctreeSettings, PaperCell, Pending, ReadCells,
-    SharedCells, deposit_vertices, merge_entries,
+    CellRecord, ExactCell, Light, Octree, OctreeCache, OctreeParams, OctreeSettings, PaperCell, Pending, ReadCells,
+    Sample, SharedCells, deposit_samples, merge_entries, sample_vertices,
 };
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::RadianceCache;
@@ -237,6 +237,12 @@ fn wiped_light_is_never_seen() {
     }
 }
 
+fn samples(octree: &Octree<'_>, params: &OctreeParams, all: &[VertexRecord], counters: &mut Counters) -> Vec<Sample> {
+    let mut samples = Vec::new();
+    sample_vertices(octree.grid(), params, all, counters, |_, _, sample| samples.push(sample));
+    samples
+}
+
 /// Between frames all storage but the counters is zero, whatever threads did.
 #[test]
 fn a_frame_leaves_nothing_behind() {
@@ -254,11 +260,14 @@ fn a_frame_leaves_nothing_behind() {
         .collect();
     let cells = SharedCells::<ExactCell>::new(&words);
     let pending = Pending::new(&marks, &lists, octree.cells()).expect("enough storage");
+    let mut counters = Counters::default();
+    let all = samples(&octree, &params, &vertices, &mut counters);
+    pending.add_counters(&counters);
     std::thread::scope(|scope| {
-        for part in vertices.chunks(700) {
+        for part in all.chunks(700) {
             scope.spawn(move || {
                 let mut counters = Counters::default();
-                assert!(!deposit_vertices(&octree, &cells, &pending, &params, part, &mut counters));
+                assert!(!deposit_samples(&octree, &cells, &pending, part, &mut counters));
                 pending.add_counters(&counters);
             });
         }
@@ -299,7 +308,8 @@ fn without_room_vertices_are_refused() {
     let vertices: Vec<_> = (0..500).map(|_| vertex(&mut noise, &QUADS)).collect();
     let cells: Vec<_> = owned.normals.iter().map(|normal| ExactCell::empty(*normal, 0)).collect();
     let mut counters = Counters::default();
-    assert!(deposit_vertices(&octree, cells.as_slice(), &pending, &params, &vertices, &mut counters));
+    let all = samples(&octree, &params, &vertices, &mut counters);
+    assert!(deposit_samples(&octree, cells.as_slice(), &pending, &all, &mut counters));
     assert!(counters.refusals >= 480 && counters.refusals < 500, "{counters:?}");
     assert_eq!(counters.balance(), 0);
     assert!(Pending::new(&marks[1..], &lists, octree.cells()).is_err());
