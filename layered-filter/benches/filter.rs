@@ -48,7 +48,7 @@ fn sample(x: u32, y: u32, sample: u32) -> (VertexRecord, Estimate) {
         (_, _, true) => (Vec3::X, 4.0 + 4.0 * u),
         _ => (Vec3::Z, 8.0),
     };
-    let tile = if (x / 16 + y / 16) % 2 == 0 { 0.7 } else { 0.3 };
+    let tile = if (x / 16 + y / 16).is_multiple_of(2) { 0.7 } else { 0.3 };
     let light = (1.2 - u) * (0.4 + a);
     let record = VertexRecord {
         position_footprint: [(u - 0.5) * depth, (0.5 - v) * depth, -depth, depth * 0.002],

@@ -14,20 +14,20 @@ use crate::log::ln;
 /// How luminances are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LuminanceWeight {
-    /// Not at all: w_l = 1.
+    /// Not at all: the weight is 1.
     Off,
-    /// Equation 6: w_l = max(0, 1 − ln(1 + s·Δl/(Δl+1))), Δl = κ·|l_p − l_q|. It knows no exposure: choose κ as
+    /// Equation 6: `w_l = max(0, 1 − ln(1 + s_l·Δl/(Δl+1)))`, `Δl = κ·|l_p − l_q|`. It knows no exposure: choose κ as
     /// 1 / (a typical luminance). Above s = e − 1 a large difference stops altogether.
     Difference {
-        /// s_l, 0 (off) to 10⁶.
+        /// `s_l`, 0 (off) to 10⁶.
         scale: f32,
         /// κ, 10⁻³⁰ to 10³⁰, in 1/radiance.
         kappa: f32,
     },
-    /// w_l = exp(−|l_p − l_q| / (s·σ_p)) by [`falloff`], where σ_p is the standard deviation of the pixel's mean: noise
+    /// `w_l = exp(−|l_p − l_q| / (s_l·σ))` by [`falloff`], where σ is the standard deviation of the pixel's mean: noise
     /// is mixed, edges above it are kept, at any exposure. Where σ is unknown, everything is mixed.
     Deviation {
-        /// s_l: standard deviations at which the weight is 1/e, 10⁻³ to 10⁶.
+        /// `s_l`: standard deviations at which the weight is 1/e, 10⁻³ to 10⁶.
         scale: f32,
     },
 }
@@ -45,14 +45,14 @@ const BY_DEVIATION: u32 = 2;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WeightSettings {
-    /// s_n: factor of the normals' cosine, 0 to 16. It scales all weights of neighbours against the pixel's own, 1.
+    /// `s_n`: factor of the normals' cosine, 0 to 16. It scales all weights of neighbours against the pixel's own, 1.
     pub normal_scale: f32,
     /// The normals' cosine is squared this often, 0 to 10: a power of 2^n. 0 is the paper's; 7 (a power of
     /// 128) is SVGF's and keeps bumps apart.
     pub normal_squarings: u32,
-    /// s_d: fall with the difference of path lengths, per scene radius, 0 (off) to 10⁹.
+    /// `s_d`: fall with the difference of path lengths, per scene radius, 0 (off) to 10⁹.
     pub path_scale: f32,
-    /// s_d′: fall with the difference of the last segments' lengths, per scene radius, 0 (off) to 10⁹.
+    /// `s_d′`: fall with the difference of the last segments' lengths, per scene radius, 0 (off) to 10⁹.
     pub segment_scale: f32,
     /// A bell over the distance d from the pixel's tangent plane, exp(−(s·d/D)²) by [`falloff`] with D = path length, 0 (off)
     /// to 10⁹. Unlike path lengths it does not fall on surfaces seen at a grazing angle. s = 1/(n·`pixel_angle`) is a
@@ -61,9 +61,9 @@ pub struct WeightSettings {
     /// A bell over the distance d between the vertices, exp(−(s·d/radius)²) by [`falloff`], 0 (off) to 10⁹: the guide by
     /// world or cell coordinates that the paper suggests for scenes in which path lengths do not tell vertices apart.
     pub position_scale: f32,
-    /// s_c of a diffuse vertex, 0 (off) to 10⁶.
+    /// `s_c` of a diffuse vertex, 0 (off) to 10⁶.
     pub color_diffuse: f32,
-    /// s_c of a glossy vertex (shininess above 0), 0 (off) to 10⁶.
+    /// `s_c` of a glossy vertex (shininess above 0), 0 (off) to 10⁶.
     pub color_glossy: f32,
     /// κ of the colours' distance, in 1/(units of L\*a\*b\*), 10⁻⁶ to 10⁶. The paper gives no value; 1.
     pub color_kappa: f32,
@@ -188,7 +188,7 @@ impl Weights {
         self.luminance == BY_DEVIATION
     }
 
-    /// The weight of pixel `q` for pixel `p` by their vertices: w_n·w_d·w_d′·w_c and the further ones, each at least 0.
+    /// The weight of pixel `q` for pixel `p` by their vertices: `w_n·w_d·w_d′·w_c` and the further ones, each at least 0.
     /// 0 when either has no vertex or a guide that is not finite.
     #[inline]
     pub fn guides(&self, p: &PreparedGuide, q: &PreparedGuide) -> f32 {
@@ -243,7 +243,7 @@ impl Weights {
         weight
     }
 
-    /// w_c.
+    /// `w_c`.
     #[inline(always)]
     fn colors(&self, p: &PreparedGuide, q: [&PreparedGuide; 4]) -> Vec4 {
         let own = Vec4::from_array(p.lab_shininess);
@@ -281,7 +281,7 @@ impl Weights {
 enum Compare {
     Off,
     Deviation,
-    /// With s_l.
+    /// With `s_l`.
     Difference(f32),
 }
 use Compare::{Deviation, Difference, Off};
@@ -295,7 +295,7 @@ pub struct LuminanceAround {
 }
 
 impl LuminanceAround {
-    /// w_l for a neighbour's luminance, 0 to 1.
+    /// `w_l` for a neighbour's luminance, 0 to 1.
     #[inline]
     pub fn weight(&self, luminance: f32) -> f32 {
         self.weight_of_four(Vec4::splat(luminance)).x
@@ -356,7 +356,7 @@ fn map(v: Vec4, f: impl Fn(f32) -> f32) -> Vec4 {
     Vec4::from_array(v.to_array().map(f))
 }
 
-/// The distance of two colours as equation 5 uses it: Δc = ln(1 + κ‖c_p − c_q‖)/κ, in L\*a\*b\*.
+/// The distance of two colours as equation 5 uses it: `Δc = ln(1 + κ‖c_p − c_q‖)/κ`, in L\*a\*b\*.
 #[inline]
 pub fn color_difference(kappa: f32, p: Vec3, q: Vec3) -> f32 {
     ln(1.0 + kappa * (p - q).length()) / kappa

@@ -58,15 +58,15 @@ fn read<T: bytemuck::Pod>(backend: &mut CpuBackend, binding: Binding) -> Vec<T> 
     bytemuck::pod_collect_to_vec(&backend.redeem(ticket, true).unwrap().unwrap())
 }
 
-fn settings(direct: Direct, filter: Filter) -> FilterSettings {
+fn settings(direct: Direct, filter: &Filter) -> FilterSettings {
     FilterSettings {
         width: WIDTH,
         height: HEIGHT,
         direct,
         radius: 10.0,
         pixel_angle: 0.002,
-        further: filter,
-        direct_filter: filter,
+        further: *filter,
+        direct_filter: *filter,
     }
 }
 
@@ -108,7 +108,7 @@ fn filters() -> Vec<Filter> {
 fn threads_do_not_matter() {
     for filter in filters() {
         for direct in [Direct::Record, Direct::Estimate] {
-            let settings = settings(direct, filter);
+            let settings = settings(direct, &filter);
             let serial = picture(&mut CpuBackend::serial(), &settings);
             let cut = picture(&mut CpuBackend::serial().with_launch_items(7), &settings);
             let rayon = picture(&mut CpuBackend::rayon(3).unwrap().with_launch_items(100), &settings);
