@@ -14,6 +14,10 @@ use hashcache_core::traits::RadianceCache;
 use hashcache_core::wgsl;
 use hashgrid::kernels::{CLAIM, CLEAR, DEPOSIT, LOOKUP};
 use hashgrid::{CELL_WORDS, OwnedGrid};
+use layered_filter::kernels::{BILATERAL, COMPOSE, FILL, FilterCounters, GATHER, ImageParams, PREPARE};
+use layered_filter::{
+    CrossBilateral, Direct, GatherParams, GuideScale, LayerPixel, Light, PreparedGuide, WeightSettings, Weights,
+};
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::kernels::{
@@ -162,6 +166,59 @@ fn cached(checks: &mut Checks, records: &[VertexRecord]) {
         [Slot::In(records), Slot::In(bytemuck::cast_slice(&estimates)), Slot::Out(bytemuck::cast_slice_mut(&mut film))];
     let status = launch(&COMPOSE_CACHED, bytemuck::bytes_of(&compose), PIXELS, slots);
     checks.that(COMPOSE_CACHED.name, status == Status::OK && film.iter().all(is_half));
+    filtered(checks, records, bytemuck::cast_slice(&estimates));
+}
+
+/// The same pixels through the filter, as a picture of 2×2.
+fn filtered(checks: &mut Checks, records: &[u8], estimates: &[u8]) {
+    let settings = WeightSettings::surface(0.01);
+    let (Ok(gather), Ok(scale)) = (GatherParams::new(0.01, Direct::Estimate, 1, 1), GuideScale::new(10.0)) else {
+        return checks.that("GatherParams::new", false);
+    };
+    let (Ok(weights), Ok(denoiser)) = (Weights::new(&settings), CrossBilateral::new(&settings, 2.0, 1, 0)) else {
+        return checks.that("CrossBilateral::new", false);
+    };
+    let mut sums: [LayerPixel; PIXELS as usize] = Zeroable::zeroed();
+    let slots = [Slot::In(records), Slot::In(estimates), Slot::Out(bytemuck::cast_slice_mut(&mut sums))];
+    checks.that(GATHER.name, launch(&GATHER, bytemuck::bytes_of(&gather), PIXELS, slots) == Status::OK);
+
+    let mut guides = [PreparedGuide::NONE; PIXELS as usize];
+    let mut images = [[Light::default(); PIXELS as usize]; 4];
+    let [direct, further, filled, radiance] = &mut images;
+    let counters = words(FilterCounters::WORDS);
+    let slots = [
+        Slot::In(bytemuck::cast_slice(&sums)),
+        Slot::Out(bytemuck::cast_slice_mut(&mut guides)),
+        Slot::Out(bytemuck::cast_slice_mut(direct)),
+        Slot::Out(bytemuck::cast_slice_mut(further)),
+        Slot::AtomicU64(&counters),
+    ];
+    checks.that(PREPARE.name, launch(&PREPARE, bytemuck::bytes_of(&scale), PIXELS, slots) == Status::OK);
+
+    let guides = bytemuck::cast_slice(&guides);
+    let size = ImageParams { width: 2, height: 2, pass: 0, first: 0 };
+    let params = [bytemuck::bytes_of(&size), bytemuck::bytes_of(&weights)].concat();
+    let slots = [
+        Slot::In(guides),
+        Slot::In(bytemuck::cast_slice(further)),
+        Slot::Out(bytemuck::cast_slice_mut(filled)),
+        Slot::AtomicU64(&counters),
+    ];
+    checks.that(FILL.name, launch(&FILL, &params, PIXELS, slots) == Status::OK);
+    let params = [bytemuck::bytes_of(&size), bytemuck::bytes_of(&denoiser)].concat();
+    let slots =
+        [Slot::In(guides), Slot::In(bytemuck::cast_slice(filled)), Slot::Out(bytemuck::cast_slice_mut(further))];
+    checks.that(BILATERAL.name, launch(&BILATERAL, &params, PIXELS, slots) == Status::OK);
+
+    let slots = [
+        Slot::In(bytemuck::cast_slice(&sums)),
+        Slot::In(bytemuck::cast_slice(direct)),
+        Slot::In(bytemuck::cast_slice(further)),
+        Slot::Out(bytemuck::cast_slice_mut(radiance)),
+    ];
+    let status = launch(&COMPOSE, &[], PIXELS, slots);
+    let half = |light: &Light| light[..3].iter().all(|v| (v - 0.5).abs() < 1e-5);
+    checks.that(COMPOSE.name, status == Status::OK && radiance.iter().all(half));
 }
 
 fn is_half(pixel: &FilmPixel) -> bool {

@@ -13,6 +13,7 @@ extern crate alloc;
 
 mod checks;
 mod core_crate;
+mod filter;
 mod floor;
 mod grid;
 mod integrator;
@@ -30,6 +31,7 @@ fn run() -> Checks {
     launches::run(&mut checks);
     grid::run(&mut checks);
     integrator::run(&mut checks);
+    filter::run(&mut checks);
     #[cfg(feature = "alloc")]
     kernels::run(&mut checks);
     checks
