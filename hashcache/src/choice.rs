@@ -85,10 +85,10 @@ choice! {
 choice! {
     /// The denoiser behind the filter.
     DenoiserKind {
-        /// An edge-avoiding à-trous wavelet.
-        ATrous = "a-trous",
         /// A cross-bilateral filter with 24 sparse taps.
         CrossBilateral = "cross-bilateral",
+        /// An edge-avoiding à-trous wavelet.
+        ATrous = "a-trous",
     }
 }
 choice! {

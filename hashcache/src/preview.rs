@@ -69,6 +69,35 @@ impl Preview {
     /// # Errors
     /// Whatever is wrong with the settings, the scene, its camera or its environment.
     pub fn open(scene: &str, settings: &Settings) -> Result<Self, Error> {
+        Self::open_with(scene, settings, camera)
+    }
+
+    /// The same from a view of the caller's, whatever camera the settings name; the scene needs none.
+    ///
+    /// ```
+    /// use hashcache::{Preview, Settings, scene::CameraPath};
+    /// # let folder = tempfile::tempdir()?;
+    /// # let file = folder.path().join("path.json");
+    /// # let key = r#"{"time":0,"position":[0,0,2],"target":[0,0,0],"up":[0,1,0],"fov_y_deg":60}"#;
+    /// # std::fs::write(&file, format!(r#"{{"keys":[{key}],"frames":3}}"#))?;
+    /// let path = CameraPath::from_file(&file)?;
+    /// let (view, _light) = path.frame(0).expect("a path has a frame");
+    /// let preview = Preview::open_at("builtin:cornell", &Settings::default(), &view)?;
+    /// assert_eq!(preview.camera(), &preview.camera_at(&view)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Whatever is wrong with the settings, the scene, the view or the environment.
+    pub fn open_at(scene: &str, settings: &Settings, view: &View) -> Result<Self, Error> {
+        Self::open_with(scene, settings, |loaded, settings| at_size(loaded, settings, view))
+    }
+
+    fn open_with(
+        scene: &str,
+        settings: &Settings,
+        camera: impl FnOnce(&Loaded, &Settings) -> Result<Camera, Error>,
+    ) -> Result<Self, Error> {
         settings.validate()?;
         let (opened, load) = clock::measure(|| load(scene, settings));
         let (loaded, packed, mut warnings) = opened?;
@@ -290,11 +319,16 @@ fn scale_environment(environment: &mut Environment, scale: f32) {
 
 /// The camera that the settings name: a camera file, or one of the scene's by name or index; by default its first.
 fn camera(loaded: &Loaded, settings: &Settings) -> Result<Camera, Error> {
-    let (width, height) = settings.size.or(loaded.size.map(|[w, h]| (w, h))).unwrap_or(DEFAULT_SIZE);
     let is_file = |name: &str| Path::new(name).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
     let view = match settings.camera.as_deref() {
         Some(name) if is_file(name) => View::from_file(Path::new(name))?,
         which => loaded.view(which)?.clone(),
     };
+    at_size(loaded, settings, &view)
+}
+
+/// A view's camera in the size that the settings or the scene name.
+fn at_size(loaded: &Loaded, settings: &Settings, view: &View) -> Result<Camera, Error> {
+    let (width, height) = settings.size.or(loaded.size.map(|[w, h]| (w, h))).unwrap_or(DEFAULT_SIZE);
     Ok(view.camera(loaded.origin, width, height)?)
 }

@@ -82,17 +82,19 @@ pub struct Settings {
     pub filter_passes: u32,
     /// `filter.radius`: farthest tap of the cross-bilateral filter in pixels.
     pub filter_radius: f32,
-    /// `filter.luminance`: fall with the difference of the cache's light, in its standard deviations.
+    /// `filter.samples`: the radius is √(this / samples behind a pixel's light), up to `filter.radius`; 0: always that.
+    pub filter_samples: f32,
+    /// `filter.direct_radius`: the radius over direct light that is traced, in pixels.
+    pub filter_direct_radius: f32,
+    /// `filter.luminance`: fall with the difference of light, in standard deviations of a pixel's mean; 0: off.
     pub filter_luminance: f32,
-    /// `filter.direct_luminance`: the same for direct light that is traced.
-    pub filter_direct_luminance: f32,
     /// `filter.normal`: how often the cosine between normals is squared, 0 to 10.
     pub filter_normal: u32,
     /// `filter.path`: fall with the difference of path lengths, per scene radius; 0: off.
     pub filter_path: f32,
     /// `filter.segment`: fall with the difference of last segments' lengths, per scene radius; 0: off.
     pub filter_segment: f32,
-    /// `filter.plane`: fall with the distance from the tangent plane, per path length; 0: off.
+    /// `filter.plane`: width of the bell over the distance from the tangent plane, in pixel footprints; 0: off.
     pub filter_plane: f32,
     /// `filter.color`: fall with the difference of albedos; 0: off.
     pub filter_color: f32,
@@ -130,9 +132,9 @@ impl Default for Settings {
         Self {
             backend: BackendKind::Cpu,
             integrator: IntegratorKind::Path,
-            cache: CacheKind::Grid,
+            cache: CacheKind::Octree,
             visibility: VisibilityKind::Exact,
-            filter: FilterKind::None,
+            filter: FilterKind::Layered,
             spp: 1,
             size: None,
             camera: None,
@@ -151,15 +153,16 @@ impl Default for Settings {
             direct_candidates: 1,
             direct_scattered: 1,
             reconstruct_samples: 4,
-            denoiser: DenoiserKind::ATrous,
-            filter_passes: 4,
-            filter_radius: 16.0,
-            filter_luminance: 2.0,
-            filter_direct_luminance: 2.0,
-            filter_normal: 5,
+            denoiser: DenoiserKind::CrossBilateral,
+            filter_passes: 1,
+            filter_radius: 8.0,
+            filter_samples: 400.0,
+            filter_direct_radius: 2.0,
+            filter_luminance: 0.0,
+            filter_normal: 3,
             filter_path: 0.0,
             filter_segment: 0.0,
-            filter_plane: 100.0,
+            filter_plane: 2.0,
             filter_color: 0.0,
             octree_resolution: None,
             octree_memory: 1024,
@@ -169,7 +172,7 @@ impl Default for Settings {
             octree_shrinkage: 8.0,
             octree_max_climb: 5,
             octree_layout: OctreeLayout::Exact,
-            grid_cell: 24.0,
+            grid_cell: 8.0,
             grid_jitter: 1.0,
             grid_normal_bins: 3,
             grid_slots: None,
@@ -303,12 +306,13 @@ const ROWS: &[Row] = &[
     choice!("filter.denoiser", denoiser),
     number!("filter.passes", filter_passes, 1..=8),
     number!("filter.radius", filter_radius, 1.0..=256.0),
-    number!("filter.luminance", filter_luminance, 1e-3..=1e6),
-    number!("filter.direct_luminance", filter_direct_luminance, 1e-3..=1e6),
+    number!("filter.samples", filter_samples, 0.0..=1e9),
+    number!("filter.direct_radius", filter_direct_radius, 1.0..=256.0),
+    number!("filter.luminance", filter_luminance, 0.0..=1e6),
     number!("filter.normal", filter_normal, 0..=10),
     number!("filter.path", filter_path, 0.0..=1e9),
     number!("filter.segment", filter_segment, 0.0..=1e9),
-    number!("filter.plane", filter_plane, 0.0..=1e9),
+    number!("filter.plane", filter_plane, 0.0..=1e4),
     number!("filter.color", filter_color, 0.0..=1e6),
     Row {
         key: "octree.resolution",
@@ -415,6 +419,15 @@ impl Settings {
                 first: "cpu.launcher=serial".into(),
                 second,
                 instead: "use cpu.launcher=rayon, or threads=1".into(),
+            });
+        }
+        let default = Self::default();
+        let fills_otherwise = self.store != default.store || self.crf.to_bits() != default.crf.to_bits();
+        if self.cache == CacheKind::None && fills_otherwise {
+            return Err(SettingsError::Conflict {
+                first: "cache.store or cache.crf".into(),
+                second: "cache=none".into(),
+                instead: "without a cache each pixel keeps its paths' first vertices: leave them out".into(),
             });
         }
         if self.cache == CacheKind::None && self.direct == DirectLight::Traced {

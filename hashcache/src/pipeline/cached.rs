@@ -5,10 +5,11 @@ use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::{CastsRays, EstimateRecord};
 use layered_filter::FilterStages;
 use pt_integrator::camera::CameraRays;
-use pt_integrator::kernels::trace_records;
+use pt_integrator::kernels::{FIRST_VERTICES, FirstParams, trace_records};
 
 use super::cache::Cache;
 use super::{Error, Pass, Resident, Work, create, look, part};
+use crate::choice::CacheKind;
 use crate::filter;
 use crate::image_file::Image;
 use crate::preview::{Preview, Progress};
@@ -30,6 +31,8 @@ pub(super) struct Cached {
     /// Records of a batch of pixels that are only looked at.
     visible: Binding,
     estimates: Binding,
+    /// Samples in each pixel's sums.
+    gathered: u32,
 }
 
 /// A run of paths or pixels whose records fit one binding.
@@ -67,7 +70,7 @@ impl Cached {
         let pixels = camera.pixels().min(BATCH);
         let visible = create(backend, "visible", u64::from(pixels) * record_bytes(1) as u64)?;
         let estimates = create(backend, "estimates", u64::from(pixels) * size_of::<EstimateRecord>() as u64)?;
-        Ok(Self { cache, filter, paths, batches, visible, estimates })
+        Ok(Self { cache, filter, paths, batches, visible, estimates, gathered: 0 })
     }
 
     /// Fills the cache by `spp` paths a pixel, then looks at each pixel as often as the settings say, then filters.
@@ -90,23 +93,28 @@ impl Cached {
         }
         let spp = pass.settings.spp;
         let shown = samples(pass.settings);
-        let total = spp + shown;
+        let total = if pass.settings.cache == CacheKind::None { spp } else { spp + shown };
         for sample in 0..spp {
             self.fill(backend, pass, first_sample.wrapping_add(sample), work)?;
-            progress(Progress { stage: "cache", done: sample + 1, total });
+            if pass.settings.cache == CacheKind::None {
+                self.show_paths(backend, pass, work)?;
+            }
+            progress(Progress { stage: "trace", done: sample + 1, total });
         }
-        for sample in 0..shown {
-            let index = first_sample.wrapping_add(sample);
-            if sample + 1 == spp && reuses_paths(pass.settings) {
-                for k in 0..self.batches.len() {
-                    let Batch { first, count, records } = self.batches[k];
-                    self.show(backend, records, first, count, work)?;
-                }
+        let of_paths = |sample| sample + 1 == spp && reuses_paths(pass.settings);
+        for sample in (0..shown).filter(|_| pass.settings.cache != CacheKind::None) {
+            if of_paths(sample) {
+                self.show_paths(backend, pass, work)?;
             } else {
-                self.look(backend, pass, index, work)?;
+                self.look(backend, pass, first_sample.wrapping_add(sample), work)?;
             }
             progress(Progress { stage: "reconstruct", done: spp + sample + 1, total });
         }
+        let gathered = if moved { shown } else { self.gathered.saturating_add(shown) };
+        self.gathered = gathered;
+        let (further, direct) =
+            filter::filters(pass.settings, pass.camera, gathered).map_err(|error| Error::refused("filter", error))?;
+        self.filter.set_filters(further, direct);
         work.stage(backend, "filter", |backend| self.filter.filter(backend))?;
         let radiance = self.filter.radiance().ok_or(backend_api::Error::UnknownBuffer { at: "lf.radiance" })?;
         Ok(pass.picture(&super::read(backend, radiance)?))
@@ -135,6 +143,36 @@ impl Cached {
         }
         work.stage(backend, "update", |backend| self.cache.update(backend))?;
         Ok(())
+    }
+
+    /// The paths' first vertices, as a sample of every pixel.
+    fn show_paths<B: CastsRays>(&mut self, backend: &mut B, pass: &Pass<'_>, work: &mut Work) -> Result<(), Error> {
+        for k in 0..self.batches.len() {
+            let Batch { first, count, .. } = self.batches[k];
+            let records = self.first_vertices(backend, k, pass.settings.store, work)?;
+            self.show(backend, records, first, count, work)?;
+        }
+        Ok(())
+    }
+
+    /// The first vertex of each path of a batch.
+    fn first_vertices<B: CastsRays>(
+        &self,
+        backend: &mut B,
+        batch: usize,
+        store: u32,
+        work: &mut Work,
+    ) -> Result<Binding, Error> {
+        let Batch { count, records, .. } = self.batches[batch];
+        if store == 1 {
+            return Ok(records);
+        }
+        let first = part(self.visible, record_bytes(1), 0, count);
+        let params = FirstParams { store, reserved: [0; 3] };
+        work.stage(backend, "gather", |backend| {
+            backend.dispatch(&FIRST_VERTICES, bytemuck::bytes_of(&params), &[records, first], Items::Count(count))
+        })?;
+        Ok(first)
     }
 
     /// One sample of every pixel's surface, answered by the cache.
@@ -189,12 +227,15 @@ impl Cached {
 
 /// Samples that show a pixel's surfaces in one frame.
 pub(super) fn samples(settings: &Settings) -> u32 {
-    settings.spp.max(settings.reconstruct_samples)
+    match settings.cache {
+        CacheKind::None => settings.spp,
+        _ => settings.spp.max(settings.reconstruct_samples),
+    }
 }
 
 /// Whether the first vertices of a frame's last paths are also samples of the picture: they are one a pixel.
 fn reuses_paths(settings: &Settings) -> bool {
-    settings.store == 1 && settings.crf.to_bits() == 1.0_f32.to_bits()
+    settings.crf.to_bits() == 1.0_f32.to_bits()
 }
 
 const fn record_bytes(store: u32) -> usize {
