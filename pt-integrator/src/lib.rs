@@ -34,9 +34,9 @@
 //!   brings to it: more for a cache from the same rays. [`path::trace_visible`] finds first vertices and their direct
 //!   light only: what a pixel asks a cache with.
 //! - Every vertex samples one emitter (next event) and one direction (scattering); both are weighted by the power
-//!   heuristic. ([`path::DirectSettings`] has other numbers.) Triangles are chosen by power through an alias table, points on them by area, directions to an
-//!   environment image in proportion to its bilinear luminance. A constant environment is found by scattering alone,
-//!   which is in proportion to it.
+//!   heuristic. ([`path::DirectSettings`] has other numbers.) Triangles are chosen by power through an alias table,
+//!   points on them by area, directions to an environment image in proportion to its bilinear luminance. A constant
+//!   environment is found by scattering alone, which is in proportion to it.
 //! - Surfaces are two-sided Lambert; the side is that of the shading normal. Emitters shine from the triangle's front,
 //!   or from both sides when their material says so, and shade with the triangle's own normal.
 //! - [`scene::Needs`] says which features a scene uses; the loop is compiled once for each set.

@@ -13,8 +13,8 @@
 //! | [`RESOLVE`] | none | film, radiance (out) |
 //!
 //! Item i of a batch is pixel `first_pixel + i` of the picture, counted by rows from the upper left; element i of
-//! every per-item binding belongs to it ([`trace_records`] of s vertices: an element of s records). Triangles, scene and texels are the buffers of [`crate::packed`]; counters
-//! are the words of [`RayCounts`](crate::path::RayCounts).
+//! every per-item binding belongs to it ([`trace_records`] of s vertices: an element of s records). Triangles, scene and
+//! texels are the buffers of [`crate::packed`]; counters are the words of [`RayCounts`](crate::path::RayCounts).
 
 mod answer;
 mod compose;
