@@ -37,7 +37,8 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
         let thickness = cells * CELL;
         let mut row = vec![format!("{cells}"), format!("{thickness:.5}")];
         for (_, changes) in VARIANTS {
-            let base = [("cache", "octree"), ("octree.resolution", "64"), ("max_bounces", "8")];
+            let resolution = RESOLUTION.to_string();
+            let base = [("cache", "octree"), ("octree.resolution", resolution.as_str())];
             let mut settings = arguments.settings(&base)?;
             for (key, value) in changes {
                 settings.set(key, value).map_err(|error| error.to_string())?;
