@@ -9,8 +9,13 @@ use serde_json::Value;
 use crate::step::{self, Step};
 
 /// Packages that have benchmarks.
-const PACKAGES: [&str; 4] =
-    ["hashcache-hashgrid", "hashcache-layered-filter", "hashcache-backend-cpu", "hashcache-pt-integrator"];
+const PACKAGES: [&str; 5] = [
+    "hashcache-core",
+    "hashcache-hashgrid",
+    "hashcache-layered-filter",
+    "hashcache-backend-cpu",
+    "hashcache-pt-integrator",
+];
 
 /// Runs the benchmarks and prints ratios.
 pub fn steps(package: Option<&str>, filter: Option<&str>) -> Vec<Step> {

@@ -20,6 +20,7 @@ mod integrator;
 #[cfg(feature = "alloc")]
 mod kernels;
 mod launches;
+mod octree;
 #[cfg(panic = "abort")]
 mod runtime;
 
@@ -29,6 +30,7 @@ fn run() -> Checks {
     let mut checks = Checks::default();
     core_crate::run(&mut checks);
     launches::run(&mut checks);
+    octree::run(&mut checks);
     grid::run(&mut checks);
     integrator::run(&mut checks);
     filter::run(&mut checks);

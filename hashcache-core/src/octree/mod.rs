@@ -1,17 +1,53 @@
-//! A linkless octree: which cells of space hold geometry, on all levels, without pointers.
+//! A linkless octree: which cells of space hold geometry, on all levels, without pointers; and light in those cells.
+//!
+//! The finest level divides the scene's largest side into `resolution` cells; a cell of level `l + 1` is eight of level
+//! `l`; the coarsest level is one cell. Only cells that a triangle overlaps are stored, and the partition is exact: a
+//! cell is stored if and only if a triangle comes within [`Grid::margin`] of it. A cell is named by its level and
+//! integer coordinates, and a lookup gives its index: a bijection between stored cells and `0..cells`, level 0 first.
+//! What belongs to cells stands in plain arrays.
+//!
+//! # Structure
+//! Cells come in [blocks](block) of 4×4×2, one bit each. A block is one entry of a [table](table): its key, its 32 bits,
+//! and the index of its first cell; the index of a cell is that base plus the number of bits below its own. A table a
+//! level (several beyond a resolution of 4096), two buckets of four entries a key, nine entries of ten in use: a lookup
+//! reads two buckets, whatever it asks for, and says "no cell" with certainty.
+//!
+//! # Building
+//! [`build`] voxelises triangles ([`Marks`] takes any number of threads), sorts the marked blocks along a Morton curve, derives
+//! the coarser levels from the finer, fills the tables, and finds each cell's largest triangle, whose normal tells its front
+//! from its back. The result depends on the triangles only: not on threads, nor on how work is cut.
+//! [`build_within`] chooses the largest resolution for an amount of memory.
+//!
+//! # Memory
+//! A block takes 12 / 0.9 = 13.3 bytes and has about nine cells where surfaces are smooth: 1.4 bytes a cell, 3.4 at
+//! worst with four cells a block; the normal takes 4, the data 40 or 24. While building, 16 to 32 bytes a block and four a
+//! triangle come on top of tables and normals, before any data is there. The country kitchen (1,050,941 triangles) at a
+//! resolution of 2048: 35.2 million cells, 49 MB of tables, 141 MB of normals, 221 MB at the peak.
+//!
+//! # Limits
+//! Static geometry: another scene is another octree. At a resolution of `R` the margin is R·2⁻¹⁹ of a cell: an eighth at the
+//! largest `R`. Building is for the host, in double precision; lookups are for GPUs, too (`wgsl::OCTREE`).
+//!
+//! # Source
+//! Roth et al. 2020, section 3.1; Choi et al. 2009 (linkless octree); Akenine-Möller 2001 and Schwarz & Seidel 2010 (overlap);
+//! Dietzfelbinger & Weidling 2007 (cuckoo tables with buckets).
+//!
+//! # Deviation
+//! The paper has one table entry a cell in buckets of one, and grows the table by 1.1·1.01ⁿ; such tables cannot be filled to
+//! more than half, and 4.4 bytes a cell hold a key or an index, not both, so that lookups return cells of other places. Its
+//! fronts are the sides of the first rays, which depend on the order.
 
 pub mod block;
 mod cell;
 mod cells;
-mod deposit;
 mod error;
 mod grid;
 pub mod header;
 mod lookup;
 mod merge;
 mod params;
-mod pending;
 mod sample;
+mod tally;
 pub mod table;
 mod view;
 
@@ -43,18 +79,17 @@ mod validate;
 pub use block::BlockRef;
 pub use cell::{BACK, CellRecord, ExactCell, FRONT, Layout, PaperCell, Side, Sum};
 pub use cells::{ReadCells, SharedCells};
-pub use deposit::deposit_samples;
 pub use error::{BuildError, OctreeError};
 pub use grid::{BLOCK, Grid, MAP_BITS, MARGIN_BITS, MAX_RESOLUTION, MIN_RESOLUTION};
 pub use lookup::{SALT_LOOKUP, estimate_vertices};
 #[cfg(target_has_atomic = "64")]
 pub use mark::{Added, Full, MAX_PROBES, Marks};
-pub use merge::merge_entries;
+pub use merge::{MAX_SAMPLES, merge_samples};
 pub use overlap::Window;
 pub use params::{JITTER_BITS, Light, OctreeParams, OctreeSettings};
-pub use pending::{ENTRY_WORDS, HEAD_WORDS, MAX_RECORDS, Pending};
+pub use sample::{NO_SAMPLE, Sample, sample_key, sample_keys, sample_vertices};
+pub use tally::{COUNTER_WORDS, add_counters, read_counters};
 pub use validate::OctreeViolation;
-pub use sample::{NO_SAMPLE, Sample, sample_key, sample_vertices};
 pub use view::{NO_CELL, Octree};
 
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
