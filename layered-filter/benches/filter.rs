@@ -190,12 +190,13 @@ fn steps(c: &mut Criterion) {
     let deviation = WeightSettings { luminance: LuminanceWeight::Deviation { scale: 4.0 }, ..WeightSettings::PAPER };
     let weights = Weights::new(&deviation).expect("settings of a bench");
     let unknown: Vec<Light> = case.image.iter().map(|&[r, g, b, _]| [r, g, b, f32::INFINITY]).collect();
-    for (name, input) in [("fill", &case.image), ("fill_variance", &unknown)] {
+    let surface = Weights::new(&WeightSettings::surface(0.002)).expect("settings of a bench");
+    for (name, weights, input) in [("fill", &surface, &case.image), ("fill_variance", &weights, &unknown)] {
         measure(c, "steps", name, || {
             let view = case.view();
             for (y, row) in (0..).zip(images[0].chunks_exact_mut(WIDTH as usize)) {
                 for (x, out) in (0..).zip(row) {
-                    *out = fill(&weights, &view, input, x, y).0;
+                    *out = fill(weights, &view, input, x, y).0;
                 }
             }
             black_box(&images);

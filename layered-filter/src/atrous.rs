@@ -56,13 +56,13 @@ impl ATrous {
 }
 
 /// Offset and factor of a tap, in units of the middle one's.
-type Tap = (i32, i32, f32);
+pub(crate) type Tap = (i32, i32, f32);
 
 /// The binomial's taps without the middle one.
 const NINE: [Tap; 8] = ring::<8>(1, [1.0, 0.5, 0.0]);
 
 /// The B₃ spline's taps without the middle one.
-const TWENTY_FIVE: [Tap; 24] = ring::<24>(2, [1.0, 4.0 / 6.0, 1.0 / 6.0]);
+pub(crate) const TWENTY_FIVE: [Tap; 24] = ring::<24>(2, [1.0, 4.0 / 6.0, 1.0 / 6.0]);
 
 /// All taps up to `reach`; a tap's factor is the product of those of its two distances.
 const fn ring<const N: usize>(reach: i32, factors: [f32; 3]) -> [Tap; N] {

@@ -2,6 +2,7 @@
 
 use hashcache_core::glam::Vec4;
 
+use crate::atrous::TWENTY_FIVE;
 use crate::image::{HOLE, Light, View, is_hole, luminance_of};
 use crate::mean::{Mean, add_at};
 use crate::weights::Weights;
@@ -69,28 +70,25 @@ fn neighbours_mean(weights: &Weights, view: &View<'_>, input: &[Light], x: u32, 
 fn spatial_variance(weights: &Weights, view: &View<'_>, input: &[Light], x: u32, y: u32) -> f32 {
     let guides = view.guides();
     let p = y as usize * view.width() as usize + x as usize;
-    let base = luminance_of(&input[p]);
     // About the pixel's own luminance, so that squares do not cancel.
-    let (mut total, mut squares, mut sum, mut sum_of_squares) = (1.0, 1.0, 0.0, 0.0);
-    for dy in -2..=2 {
-        for dx in -2..=2 {
-            let Some(q) = view.neighbour(x, y, dx, dy) else { continue };
-            if q == p || is_hole(&input[q]) {
-                continue;
-            }
-            let weight = weights.guides(&guides[p], &guides[q]);
-            if weight > 0.0 {
-                let difference = luminance_of(&input[q]) - base;
-                total += weight;
-                squares += weight * weight;
-                sum += weight * difference;
-                sum_of_squares += weight * difference * difference;
-            }
-        }
+    let base = luminance_of(&input[p]);
+    let [mut total, mut squares, mut sum, mut sum_of_squares] = [Vec4::ZERO; 4];
+    for four in TWENTY_FIVE.as_chunks::<4>().0 {
+        let near = four.map(|(dx, dy, _)| view.neighbour(x, y, dx, dy).filter(|&q| !is_hole(&input[q])));
+        let counted = Vec4::from_array(near.map(|q| f32::from(q.is_some())));
+        // What does not count has the pixel's own luminance: no difference.
+        let at = near.map(|q| q.unwrap_or(p));
+        let weight = weights.guides_of_four(&guides[p], at.map(|q| &guides[q])) * counted;
+        let difference = Vec4::from_array(at.map(|q| luminance_of(&input[q]) - base));
+        total += weight;
+        squares += weight * weight;
+        sum += weight * difference;
+        sum_of_squares += weight * difference * difference;
     }
-    let mean = sum / total;
-    let variance = (sum_of_squares / total - mean * mean).max(0.0);
+    let total = 1.0 + total.element_sum();
+    let mean = sum.element_sum() / total;
+    let variance = (sum_of_squares.element_sum() / total - mean * mean).max(0.0);
     // Bessel's correction for weighted values; none left when all the weight is the pixel's own.
-    let rest = 1.0 - squares / (total * total);
+    let rest = 1.0 - (1.0 + squares.element_sum()) / (total * total);
     if rest > 1e-3 { (variance / rest).min(f32::MAX) } else { f32::INFINITY }
 }
