@@ -58,6 +58,8 @@ pub struct Settings {
     pub launcher: Launcher,
     /// `path.roulette_depth`: Russian roulette from this scattering on; `None` (`off`): none.
     pub roulette_depth: Option<u32>,
+    /// `cache.roulette_depth`: the same for the paths that fill a cache or feed a filter, whose noise others share.
+    pub cache_roulette_depth: Option<u32>,
     /// `cache.direct`: whether direct light comes from the cache or from the pixel's own shadow rays.
     pub direct: DirectLight,
     /// `cache.crf`: caching resolution factor: columns and rows of the cache pass per column and row of the picture.
@@ -145,11 +147,12 @@ impl Default for Settings {
             threads: 0,
             launcher: Launcher::Rayon,
             roulette_depth: None,
+            cache_roulette_depth: Some(3),
             direct: DirectLight::Cached,
             crf: 1.0,
             store: 1,
             store_length: None,
-            direct_samples: 1,
+            direct_samples: 2,
             direct_candidates: 1,
             direct_scattered: 1,
             reconstruct_samples: 4,
@@ -285,6 +288,14 @@ const ROWS: &[Row] = &[
         get: |s| s.roulette_depth.map_or("off".into(), Value::from),
         set: |s, v| {
             s.roulette_depth = optional(v, "off", 1..=MAX_BOUNCES)?;
+            Ok(())
+        },
+    },
+    Row {
+        key: "cache.roulette_depth",
+        get: |s| s.cache_roulette_depth.map_or("off".into(), Value::from),
+        set: |s, v| {
+            s.cache_roulette_depth = optional(v, "off", 1..=MAX_BOUNCES)?;
             Ok(())
         },
     },

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hashcache::choice::CacheKind;
+use hashcache::choice::{CacheKind, FilterKind};
 use hashcache::{Image, Preview, Settings, image_file};
 use image_metrics::{BlockTest, ImageView, Margin, block_test, energy_ratio, rel_mse_trimmed};
 use serde_json::Value;
@@ -93,6 +93,7 @@ impl Reference {
     pub fn settings(&self) -> Settings {
         Settings {
             cache: CacheKind::None,
+            filter: FilterKind::None,
             size: Some((self.mean.width, self.mean.height)),
             env: self.environment.clone(),
             ..Settings::default()

@@ -6,6 +6,7 @@ use hashcache_core::stages::{CastsRays, EstimateRecord};
 use layered_filter::FilterStages;
 use pt_integrator::camera::CameraRays;
 use pt_integrator::kernels::{FIRST_VERTICES, FirstParams, trace_records};
+use pt_integrator::path::PathSettings;
 
 use super::cache::Cache;
 use super::{Error, Pass, Resident, Work, create, look, part};
@@ -135,6 +136,7 @@ impl Cached {
             let mut params = pass.trace_params(batch.first, sample, 1);
             params.camera = params.camera.with_size([pass.camera.width, pass.camera.height], self.paths);
             params.width = self.paths[0];
+            params.roulette_depth = pass.settings.cache_roulette_depth.unwrap_or(PathSettings::NO_ROULETTE);
             let bindings = [triangles, scene, texels, batch.records, counters];
             work.stage(backend, "trace", |backend| {
                 backend.dispatch(kernel, bytemuck::bytes_of(&params), &bindings, Items::Count(batch.count))
