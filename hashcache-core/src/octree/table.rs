@@ -57,12 +57,15 @@ impl BlockEntry {
 }
 
 /// Where a key's entry stands in a table of whole buckets: the word of its key, counted from the table's first.
-///
-/// Both buckets are read at once, and the place among eight entries is found without a branch: lookups of many keys
-/// overlap their cache misses.
 #[inline]
 pub(crate) fn find(table: &[[u32; 12]], seed: u32, key: u32) -> Option<u32> {
-    let [a, b] = bucket_pair(key, seed, table.len() as u32);
+    find_in(table, key, bucket_pair(key, seed, table.len() as u32))
+}
+
+/// [`find`] with the two buckets of the key. Both are read at once, and the place among eight entries is found without a
+/// branch: lookups of many keys overlap their cache misses.
+#[inline]
+pub(crate) fn find_in(table: &[[u32; 12]], key: u32, [a, b]: [u32; 2]) -> Option<u32> {
     let places = matches(table.get(a as usize)?, key) | (matches(table.get(b as usize)?, key) << BUCKET_ENTRIES);
     if places == 0 {
         return None;
