@@ -1,6 +1,7 @@
 //! `hashcache render`: one image.
 
 use hashcache::Preview;
+use hashcache::choice::{CacheKind, FilterKind};
 
 use crate::args::Render;
 use crate::failure::Failure;
@@ -10,6 +11,11 @@ use crate::progress::Display;
 /// Renders and writes all files.
 pub fn run(args: &Render) -> Result<(), Failure> {
     let settings = args.settings.settings()?;
+    if args.aov.is_some() && settings.cache == CacheKind::None && settings.filter == FilterKind::None {
+        return Err(Failure::usage(
+            "--aov does not go with cache=none and filter=none, which keep nothing but radiance; use a cache or a filter",
+        ));
+    }
     let outputs = Outputs::check(&args.scene, &args.outputs, args.stats.as_deref(), args.aov.as_deref())?;
     let preview = lit(Preview::open(&args.scene, &settings)?, &args.scene)?;
     let mut display = Display::new(args.quiet);

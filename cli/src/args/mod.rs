@@ -65,15 +65,13 @@ pub struct Render {
 pub struct Fly {
     /// A .gltf or .glb file, or builtin:NAME (`hashcache info builtin:` lists them)
     pub scene: String,
-    /// The move: {"keys":[{"time":s, "position":[x,y,z], "target":[x,y,z], "up":[x,y,z], "fov_y_deg":a}, ...], "frames":N},
-    /// Catmull-Rom between keys; a key's "light" is a factor on all lights
-    #[arg(long, value_name = "PATH.json")]
+    #[arg(long, value_name = "PATH.json", help = PATH_FILE)]
     pub path: PathBuf,
     /// The folder for all files; made if it is not there (its own folder must be). Files of the same names are replaced;
     /// frames of another, longer move in it are refused
     #[arg(short, long = "output", value_name = "DIR")]
     pub output: PathBuf,
-    /// Compare frames with the frame_0000.exr, frame_0001.exr, ... in this folder; frames that it lacks have no error
+    /// Compare frames with those in this folder, of the same names and .exr; frames that it lacks have no error
     #[arg(long, value_name = "DIR")]
     pub references: Option<PathBuf>,
     /// The kind of file of the frames: linear as exr or hdr, for a screen as png
@@ -105,6 +103,10 @@ impl FrameFormat {
         }
     }
 }
+
+const PATH_FILE: &str = "\
+The move: {\"keys\":[{\"time\":s, \"position\":[x,y,z], \"target\":[x,y,z], \"up\":[x,y,z], \"fov_y_deg\":a}, ...], \"frames\":N}, \
+Catmull-Rom between keys; a key's \"light\" is a factor on all lights";
 
 const FLY_FILES: &str = "\
 Files:

@@ -30,7 +30,10 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
     let names: Vec<_> = (0..path.frames()).map(|index| frame_name(index, args.format.ending())).collect();
     refuse_other_frames(&folder, &names)?;
     let references = args.references.as_deref().map(|folder| References::find(folder, path.frames())).transpose()?;
-    let preview = lit(Preview::open(&args.scene, &settings)?, &args.scene)?;
+    let start = path.frame(0).map(|(view, _)| Preview::open_at(&args.scene, &settings, &view));
+    // A path without a frame cannot be made.
+    let preview = start.unwrap_or_else(|| Preview::open(&args.scene, &settings))?;
+    let preview = lit(preview, &args.scene)?;
     if let Some(references) = &references {
         references.check(preview.size())?;
     }
@@ -57,13 +60,12 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
         let now = Previous { image: output.image, reference, view: view.clone(), light: *light };
         let frame = Frame::measure(index, output.elapsed, &now, previous.as_ref())
             .map_err(|error| Failure::other(format!("frame {index}: {error}")))?;
-        let table = match &mut table {
-            Some(table) => table,
-            None => {
-                // What an earlier move left says nothing about this one.
-                folder.remove(SUMMARY)?;
-                table.insert(Table::create(&folder, METRICS, [Frame::columns().as_slice()])?)
-            }
+        let table = if let Some(table) = &mut table {
+            table
+        } else {
+            // What an earlier move left says nothing about this one.
+            folder.remove(SUMMARY)?;
+            table.insert(Table::create(&folder, METRICS, [Frame::columns().as_slice()])?)
         };
         folder.write_image(name, &now.image)?;
         table.add(&frame.cells())?;
@@ -84,16 +86,14 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
 /// One line about the move.
 fn told(args: &Fly, preview: &Preview, frames: &[Frame], seconds: f64) -> String {
     let (width, height) = preview.size();
-    let mut line =
-        format!("{}: {} frames of {width}x{height}, rendered in {seconds:.2} s", args.output.display(), frames.len());
-    let mut mean = |name: &str, values: Vec<f64>| {
-        if !values.is_empty() {
-            line += &format!(", mean {name} {:.5}", values.iter().sum::<f64>() / values.len() as f64);
-        }
+    let mean = |name: &str, values: Vec<f64>| match values.len() {
+        0 => String::new(),
+        count => format!(", mean {name} {:.5}", values.iter().sum::<f64>() / count as f64),
     };
-    mean("relMSE", frames.iter().filter_map(Frame::relmse).collect());
-    mean("flicker", frames.iter().filter_map(Frame::flicker).collect());
-    line
+    let relmse = mean("relMSE", frames.iter().filter_map(Frame::relmse).collect());
+    let flicker = mean("flicker", frames.iter().filter_map(Frame::flicker).collect());
+    let (folder, count) = (args.output.display(), frames.len());
+    format!("{folder}: {count} frames of {width}x{height}, rendered in {seconds:.2} s{relmse}{flicker}")
 }
 
 fn frame_name(index: u32, ending: &str) -> String {

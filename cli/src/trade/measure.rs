@@ -62,7 +62,7 @@ impl From<Error> for Stop {
 fn shoot(preview: &Preview, reference: &Image) -> Result<Shot, Stop> {
     let mut backend = preview.backend()?;
     let mut session = preview.session(&mut backend)?;
-    let frame = session.frame(&preview.camera().clone(), &mut |_| ())?;
+    let frame = session.frame(preview.camera(), &mut |_| ())?;
     let stats = session.stats()?;
     let figures = view(&frame.image).and_then(|image| Figures::measure(image, view(reference)?));
     let figures = figures.map_err(|error| {
@@ -155,13 +155,11 @@ impl Budget {
     pub fn allows(&self, trial: &Trial, seeds: u32) -> bool {
         let (settings, spp) = (but_samples(&trial.settings), trial.settings.spp);
         let sibling = self.known.iter().filter(|(known, ..)| *known == settings).max_by_key(|(_, spp, _)| *spp);
-        let cost = match sibling {
-            Some((_, known, cost)) => cost * f64::from(spp) / f64::from(*known),
-            None => {
-                let alike: Vec<_> =
-                    self.known.iter().filter(|(_, known, _)| *known == spp).map(|known| known.2).collect();
-                mean_and_error(&alike).0.unwrap_or(0.0)
-            }
+        let cost = if let Some((_, known, cost)) = sibling {
+            cost * f64::from(spp) / f64::from(*known)
+        } else {
+            let alike: Vec<_> = self.known.iter().filter(|(_, known, _)| *known == spp).map(|known| known.2).collect();
+            mean_and_error(&alike).0.unwrap_or(0.0)
         };
         self.spent + cost * f64::from(seeds) <= self.most
     }

@@ -32,14 +32,12 @@ pub fn run(args: &Trade) -> Result<String, Failure> {
         display.line(&format!("warning: {warning}"));
     }
     let mut budget = Budget::new(args.max_cpu_s);
-    let reference = match &args.reference {
-        Some(path) => Reference::read(path, preview.size())?,
-        None => {
-            let (kept, reference) =
-                budget.spend(|| Reference::own(args, &folder, preview, &sweep.base, &mut display))?;
-            preview = kept;
-            reference
-        }
+    let reference = if let Some(path) = &args.reference {
+        Reference::read(path, preview.size())?
+    } else {
+        let (kept, reference) = budget.spend(|| Reference::own(args, &folder, preview, &sweep.base, &mut display))?;
+        preview = kept;
+        reference
     };
     let seed = sweep.base.seed;
     let scene = args.scene.clone();

@@ -102,10 +102,10 @@ impl Reference {
 fn trace(preview: &Preview, half: u32, display: &mut Display) -> Result<(Image, f64), Failure> {
     let mut backend = preview.backend()?;
     let mut session = preview.session(&mut backend)?;
-    let camera = preview.camera().clone();
+    let camera = preview.camera();
     let total = 2 * u64::from(half);
     let mut frame = |done: u64, display: &mut Display| {
-        session.frame(&camera, &mut |progress| display.report("reference", done + u64::from(progress.done), total))
+        session.frame(camera, &mut |progress| display.report("reference", done + u64::from(progress.done), total))
     };
     let first = frame(0, display)?.image;
     let whole = frame(half.into(), display)?.image;

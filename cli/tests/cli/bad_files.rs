@@ -88,6 +88,25 @@ fn outputs() {
             1,
             "out.png",
         ),
+        case(
+            "pictures that nothing makes",
+            good,
+            &["render", "scene.gltf", "--aov", "aov", "--cache", "none", "--filter", "none"],
+            2,
+            "cache=none",
+        ),
+        case("no folder for the folder", good, &["render", "scene.gltf", "--aov", "no/aov"], 1, "no/aov"),
+        case("a file as folder of pictures", good, &["render", "scene.gltf", "--aov", "scene.bin"], 1, "scene.bin"),
+        case(
+            "a picture's name is taken by a folder",
+            |p| {
+                good(p);
+                fs::create_dir_all(p.path("aov/albedo.exr")).unwrap();
+            },
+            &["render", "scene.gltf", "--size", "8x8", "-o", "out.png", "--aov", "aov", "-q"],
+            1,
+            "albedo.exr",
+        ),
         case("one file for two outputs", good, &["render", "scene.gltf", "-o", "a.png", "-o", "./a.png"], 2, "a.png"),
         case(
             "the default name is taken",

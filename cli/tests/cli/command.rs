@@ -95,6 +95,22 @@ fn a_render_writes_all_files_and_nothing_else() {
 }
 
 #[test]
+fn pictures_beside_the_picture_go_into_a_folder() {
+    let place = Place::new();
+    for run in ["into a new folder", "over its files"] {
+        place.succeed(&["render", "builtin:cornell", "--size", "24x16", "-q", "--aov", "aov"]);
+        assert_eq!(place.names(""), ["aov"], "{run}");
+        let names = place.names("aov");
+        for name in ["albedo.exr", "normal.exr", "depth.exr", "samples.exr"] {
+            assert!(names.iter().any(|found| found == name), "{name} is missing in {names:?}");
+        }
+        assert!(names.iter().all(|name| name.ends_with(".exr")), "{names:?}");
+        let report = json(&place.succeed(&["compare", "aov/albedo.exr", "aov/albedo.exr", "--json"]).stdout);
+        assert_eq!((&report["width"], &report["height"], &report["relmse"]), (&24.into(), &16.into(), &0.0.into()));
+    }
+}
+
+#[test]
 fn the_default_output_is_named_after_the_scene() {
     let place = Place::new();
     place.succeed(&["render", "builtin:cornell", "--size", "8x8", "--quiet"]);
@@ -116,7 +132,7 @@ fn quiet_is_quiet_and_else_the_summary_is_one_line() {
 
 #[test]
 fn the_image_depends_on_the_seed_and_not_on_threads() {
-    for cache in ["grid", "none"] {
+    for cache in ["octree", "grid", "none"] {
         let place = Place::new();
         let render = |name: &str, options: &[&str]| {
             let mut args = vec!["render", "builtin:cornell", "--size", "40x30", "-q", "--cache", cache, "-o", name];

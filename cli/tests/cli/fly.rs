@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::bad_input::{case, check, file, good};
 use crate::place::Place;
+use crate::scene::Scene;
 use crate::table::Table;
 
 /// From rest, at which the lamps change once, to a move.
@@ -87,7 +88,7 @@ fn references_give_errors_where_there_are_any() {
 
 #[test]
 fn frames_do_not_depend_on_threads() {
-    for cache in ["grid", "none"] {
+    for cache in ["octree", "grid", "none"] {
         let place = Place::new();
         path(&place, 3);
         let frames = |threads: &str| {
@@ -156,6 +157,15 @@ fn a_signal_leaves_whole_files_only() {
     let others: Vec<_> =
         place.contents().into_iter().filter(|(path, _)| path.to_string_lossy().contains(".hashcache-")).collect();
     assert!(others.is_empty(), "{others:?}");
+}
+
+#[test]
+fn a_scene_needs_no_camera_of_its_own() {
+    let place = Place::new();
+    path(&place, 1);
+    Scene::lit_floor().set("/scenes/0/nodes", json!([0, 1])).write(&place);
+    place.succeed(&["fly", "scene.gltf", "--path", "path.json", "--size", "8x8", "-o", "out", "-q"]);
+    assert_eq!(place.names("out").len(), 3);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::table::Table;
 
 const TRADE: [&str; 6] = ["trade", "builtin:cornell", "--size", "32x32", "-o", "out"];
 const OWN: [&str; 2] = ["--reference-spp", "64"];
-const SMALL: [&str; 4] = ["--vary", "cache=grid,none", "--vary", "spp=1,4"];
+const SMALL: [&str; 6] = ["--vary", "cache=grid,none", "--vary", "spp=1,4", "--filter", "none"];
 
 fn trade(place: &Place, options: &[&[&str]]) -> crate::place::Run {
     place.succeed(&[&TRADE[..], &OWN, &options.concat()].concat())
