@@ -4,13 +4,13 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::bad_input::{case, check, file, good};
+use crate::bad_input::file;
 use crate::place::Place;
 use crate::scene::Scene;
 use crate::table::Table;
 
 /// From rest, at which the lamps change once, to a move.
-fn path(place: &Place, frames: u32) {
+pub fn path(place: &Place, frames: u32) {
     let key = |time: f64, x: f64, light: f64| json!({"time": time, "position": [x, 0.0, 3.9], "target": [x, 0.0, 0.0], "up": [0, 1, 0], "fov_y_deg": 39.3, "light": light});
     let keys = [key(0.0, 0.0, 1.0), key(1.0, 0.0, 1.0), key(2.0, 0.0, 1.0), key(3.0, 0.3, 2.0)];
     file(place, "path.json", json!({ "keys": keys, "frames": frames }).to_string());
@@ -146,8 +146,8 @@ fn a_signal_leaves_whole_files_only() {
     let names = place.names("out");
     let frames = names.iter().filter(|name| name.starts_with("frame_")).count();
     assert_eq!(names.len(), frames + 1, "frames and metrics.csv, nothing else: {names:?}");
-    for index in 0..frames {
-        assert_eq!(names[index], format!("frame_{index:04}.exr"));
+    for (index, name) in names[..frames].iter().enumerate() {
+        assert_eq!(*name, format!("frame_{index:04}.exr"));
     }
     let last = format!("out/{}", names[frames - 1]);
     place.succeed(&["compare", &last, &last]);
@@ -166,135 +166,4 @@ fn a_scene_needs_no_camera_of_its_own() {
     Scene::lit_floor().set("/scenes/0/nodes", json!([0, 1])).write(&place);
     place.succeed(&["fly", "scene.gltf", "--path", "path.json", "--size", "8x8", "-o", "out", "-q"]);
     assert_eq!(place.names("out").len(), 3);
-}
-
-#[test]
-fn bad_moves() {
-    const BAD: &[&str] = &["fly", "scene.gltf", "--path", "path.json", "--size", "8x8", "-o", "out"];
-    const REFS: &[&str] =
-        &["fly", "scene.gltf", "--path", "path.json", "--size", "8x8", "-o", "out", "--references", "refs"];
-    fn moving(place: &Place) {
-        good(place);
-        path(place, 2);
-    }
-    fn keys(place: &Place, text: &str) {
-        good(place);
-        file(place, "path.json", text);
-    }
-    fn refs(place: &Place) {
-        moving(place);
-        fs::create_dir(place.path("refs")).unwrap();
-    }
-    check(&[
-        case("no path", good, &["fly", "scene.gltf", "-o", "out"], 2, "--path"),
-        case("no folder", good, &["fly", "scene.gltf", "--path", "path.json"], 2, "-o"),
-        case("missing path file", good, BAD, 1, "path.json"),
-        case("broken path file", |p| keys(p, "{\"keys\": ["), BAD, 1, "path.json"),
-        case("no keys", |p| keys(p, r#"{"keys":[],"frames":3}"#), BAD, 1, "/keys"),
-        case(
-            "no frames",
-            |p| {
-                keys(
-                    p,
-                    r#"{"keys":[{"time":0,"position":[0,1,2],"target":[0,1,0],"up":[0,1,0],"fov_y_deg":40}],"frames":0}"#,
-                )
-            },
-            BAD,
-            1,
-            "/frames",
-        ),
-        case(
-            "keys out of order",
-            |p| {
-                let key = |time| {
-                    format!(r#"{{"time":{time},"position":[0,1,2],"target":[0,1,0],"up":[0,1,0],"fov_y_deg":40}}"#)
-                };
-                keys(p, &format!(r#"{{"keys":[{},{}],"frames":3}}"#, key(1), key(0)));
-            },
-            BAD,
-            1,
-            "/keys/1/time",
-        ),
-        case("missing scene", |p| path(p, 2), BAD, 1, "scene.gltf"),
-        case(
-            "a camera besides the path",
-            moving,
-            &["fly", "scene.gltf", "--path", "path.json", "-o", "out", "--camera", "front"],
-            2,
-            "--camera",
-        ),
-        case(
-            "unknown format",
-            moving,
-            &["fly", "scene.gltf", "--path", "path.json", "-o", "out", "--format", "bmp"],
-            2,
-            "png",
-        ),
-        case(
-            "the folder is a file",
-            |p| {
-                moving(p);
-                file(p, "out", "text");
-            },
-            BAD,
-            1,
-            "out",
-        ),
-        case(
-            "no folder for the folder",
-            moving,
-            &["fly", "scene.gltf", "--path", "path.json", "-o", "no/out"],
-            1,
-            "no/out",
-        ),
-        case(
-            "frames of another move",
-            |p| {
-                moving(p);
-                fs::create_dir(p.path("out")).unwrap();
-                file(p, "out/frame_0002.exr", "");
-            },
-            BAD,
-            1,
-            "frame_0002.exr",
-        ),
-        case("no folder of references", moving, REFS, 1, "refs"),
-        case("an empty folder of references", refs, REFS, 1, "frame_0001.exr"),
-        case(
-            "a broken reference",
-            |p| {
-                refs(p);
-                file(p, "refs/frame_0001.exr", "no picture");
-            },
-            REFS,
-            1,
-            "frame_0001.exr",
-        ),
-        case(
-            "a reference of another size",
-            |p| {
-                refs(p);
-                p.succeed(&["render", "builtin:cornell", "--size", "8x9", "-o", "refs/frame_0000.exr", "-q"]);
-            },
-            REFS,
-            1,
-            "8x9",
-        ),
-    ]);
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_folder_that_cannot_be_written() {
-    fn moving(place: &Place) {
-        good(place);
-        path(place, 2);
-    }
-    check(&[case(
-        "read-only folder",
-        moving,
-        &["fly", "scene.gltf", "--path", "path.json", "-o", "/proc/out"],
-        1,
-        "/proc/out",
-    )]);
 }

@@ -3,6 +3,7 @@
 mod bad_command_lines;
 mod bad_files;
 mod bad_input;
+mod bad_moves;
 mod bad_scenes;
 mod command;
 mod fly;
