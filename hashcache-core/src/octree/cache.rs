@@ -10,21 +10,20 @@ use glam::Vec3;
 
 use super::cell::{CellRecord, ExactCell};
 use super::cells::{ReadCells, SharedCells};
-use super::deposit::deposit_samples;
 use super::grid::Grid;
 use super::lookup::estimate_vertices;
-use super::merge::merge_entries;
+use super::merge::{MAX_SAMPLES, merge_samples};
 use super::owned::OwnedOctree;
 use super::params::OctreeParams;
-use super::pending::{MAX_RECORDS, Pending, add_counters, counters_in};
-use super::sample::{NO_SAMPLE, Sample, sample_vertices};
+use super::sample::{Sample, sample_key, sample_vertices};
+use super::tally::{COUNTER_WORDS, add_counters, read_counters};
 use crate::counters::Counters;
 use crate::record::VertexRecord;
 use crate::traits::{Estimate, RadianceCache};
 
 /// An octree, its cells in layout `C`, and its counters, as a [`RadianceCache`].
 ///
-/// `record` only remembers a sample (28 bytes); `end_frame` merges all samples at once, so their order has no influence.
+/// `record` only remembers a sample (24 bytes); `end_frame` merges all samples at once, so their order has no influence.
 ///
 /// ```
 /// use hashcache_core::geometry::{Geometry, Instance, Mesh};
@@ -61,17 +60,12 @@ pub struct OctreeCache<C = ExactCell> {
     grid: Grid,
     params: OctreeParams,
     cells: Vec<AtomicU32>,
-    marks: Vec<AtomicU32>,
-    lists: Vec<AtomicU32>,
-    /// Keys and samples of the open frame.
-    recorded: Vec<(u32, Sample)>,
+    counters: [AtomicU32; COUNTER_WORDS],
+    /// The open frame.
+    recorded: Vec<Sample>,
     /// Number of frames so far, plus 1: what the next wipe is known by.
     frame: u32,
     layout: PhantomData<C>,
-}
-
-fn zeroed(words: u64) -> Vec<AtomicU32> {
-    (0..words).map(|_| AtomicU32::new(0)).collect()
 }
 
 impl<C: CellRecord> OctreeCache<C> {
@@ -84,12 +78,10 @@ impl<C: CellRecord> OctreeCache<C> {
             words.iter().copied().map(AtomicU32::new).collect::<Vec<_>>()
         };
         let cells = octree.normals.iter().flat_map(words).collect();
-        let [marks, _] = Pending::words(octree.normals.len() as u32, 0);
         Self {
             params,
             cells,
-            marks: zeroed(marks),
-            lists: Vec::new(),
+            counters: [const { AtomicU32::new(0) }; COUNTER_WORDS],
             recorded: Vec::new(),
             frame: 1,
             grid: *octree.view().grid(),
@@ -131,28 +123,11 @@ impl<C: CellRecord> OctreeCache<C> {
 
     /// Counters since the cache was made.
     pub fn counters(&self) -> Counters {
-        counters_in(&self.marks)
+        read_counters(&self.counters)
     }
 
     fn cells(&self) -> SharedCells<'_, C> {
         SharedCells::new(&self.cells)
-    }
-
-    /// Merges up to [`MAX_RECORDS`] samples.
-    fn merge(&mut self, samples: &[Sample]) {
-        let octree = self.octree.view();
-        let [_, lists] = Pending::words(0, samples.len() as u32);
-        if (self.lists.len() as u64) < lists {
-            self.lists = zeroed(lists);
-        }
-        let Ok(pending) = Pending::new(&self.marks, &self.lists, octree.cells()) else { return };
-        let cells = SharedCells::<C>::new(&self.cells);
-        let mut counters = Counters::default();
-        deposit_samples(&octree, &cells, &pending, samples, &mut counters);
-        for level in 0..=octree.grid().levels {
-            merge_entries(&octree, &cells, &pending, &self.params, level, 0..pending.capacity());
-        }
-        pending.add_counters(&counters);
     }
 }
 
@@ -161,12 +136,12 @@ impl<C: CellRecord> RadianceCache for OctreeCache<C> {
         let mut counters = Counters::default();
         let (grid, vertex) = (self.grid, slice::from_ref(vertex));
         let recorded = &mut self.recorded;
-        sample_vertices(&grid, &self.params, vertex, &mut counters, |_, key, sample| {
-            if key != NO_SAMPLE {
-                recorded.push((key, sample));
+        sample_vertices(&grid, &self.params, vertex, &mut counters, |_, sample| {
+            if sample.is_kept() {
+                recorded.push(sample);
             }
         });
-        add_counters(&self.marks, &counters);
+        add_counters(&self.counters, &counters);
     }
 
     fn estimate(&self, vertex: &VertexRecord) -> Estimate {
@@ -174,16 +149,25 @@ impl<C: CellRecord> RadianceCache for OctreeCache<C> {
         let mut estimate = Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 };
         let (octree, vertex) = (self.octree.view(), slice::from_ref(vertex));
         estimate_vertices(&octree, &self.cells(), &self.params, vertex, &mut counters, |_, found| estimate = found);
-        add_counters(&self.marks, &counters);
+        add_counters(&self.counters, &counters);
         estimate
     }
 
     fn end_frame(&mut self) {
-        self.recorded.sort_unstable_by_key(|(key, _)| *key);
-        let samples: Vec<_> = self.recorded.drain(..).map(|(_, sample)| sample).collect();
-        for part in samples.chunks(MAX_RECORDS as usize) {
-            self.merge(part);
+        let grid = self.grid;
+        self.recorded.sort_by_cached_key(|sample| {
+            let [low, high] = [0, 1].map(|part| sample_key(&grid, sample, part));
+            (high, low)
+        });
+        let (octree, cells) = (self.octree.view(), SharedCells::<C>::new(&self.cells));
+        let mut counters = Counters::default();
+        for part in self.recorded.chunks(MAX_SAMPLES as usize) {
+            for level in 0..grid.levels {
+                merge_samples(&octree, &cells, &self.params, level, part, 0..MAX_SAMPLES, &mut counters);
+            }
         }
+        add_counters(&self.counters, &counters);
+        self.recorded.clear();
         self.frame = self.frame.wrapping_add(1);
     }
 }

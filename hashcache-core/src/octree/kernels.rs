@@ -3,15 +3,15 @@
 //! | kernel | items | reads | writes | adds to |
 //! |---|---|---|---|---|
 //! | [`RECORD`] | vertices | structure, vertices | samples, keys | counters |
-//! | [`ARRANGE`] | samples | samples | order, sorted | |
-//! | [`Kernels::deposit`] | samples | structure, cells, sorted | | marks, lists, counters |
-//! | [`Kernels::merge`] | entries | structure | cells | marks, lists |
+//! | [`REKEY`] | samples | structure, order, samples | keys | |
+//! | [`ARRANGE`] | samples | order, samples | order, sorted | |
+//! | [`Kernels::merge`] | samples | structure, sorted | cells | counters |
 //! | [`Kernels::lookup`] | vertices | structure, cells, vertices | estimates | counters |
 //!
-//! `structure` holds the words of an [`Octree`]; `marks` (with the counters in front) and `lists` are those of
-//! [`Pending`]; `samples` are [`Sample`]s, `keys` their keys, `order` the numbers from 0 on, which the primitive
-//! `sort_pairs` turns into the samples' order by keys between the first two kernels. The parameter block of all is
-//! [`OctreeParams`]. On buffers that do not fit each other the bodies raise [`Status::TABLE_FULL`] and do nothing.
+//! `structure` holds the words of an [`Octree`]; `samples` are [`Sample`]s, `keys` a part of their keys, `order` the
+//! numbers from 0 on, which the primitive `sort_pairs` turns into the samples' order: behind [`RECORD`] by the first part,
+//! behind [`REKEY`] by the second where there is one. The parameter block of all is [`OctreeParams`]. On buffers that do not
+//! fit each other the bodies raise [`Status::TABLE_FULL`] and do nothing.
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -20,12 +20,11 @@ use bytemuck::{Pod, Zeroable};
 
 use super::cell::{CellRecord, ExactCell, Layout, PaperCell};
 use super::cells::SharedCells;
-use super::deposit::deposit_samples;
 use super::lookup::estimate_vertices;
-use super::merge::merge_entries;
+use super::merge::merge_samples;
 use super::params::OctreeParams;
-use super::pending::{ENTRY_WORDS, Pending, add_counters};
-use super::sample::{Sample, sample_vertices};
+use super::sample::{Sample, sample_key, sample_vertices};
+use super::tally::{COUNTER_WORDS, add_counters};
 use super::view::Octree;
 use crate::counters::Counters;
 use crate::record::VertexRecord;
@@ -37,9 +36,7 @@ const SAMPLE_WORDS: usize = size_of::<Sample>() / 4;
 /// The kernels of one layout of cells.
 #[derive(Clone, Copy)]
 pub struct Kernels {
-    /// Adds sorted samples to a frame's sums. Raises [`Status::TABLE_FULL`] when there was no room.
-    pub deposit: &'static Kernel,
-    /// Merges one level's sums into its cells, see [`merge_entries`].
+    /// Merges sorted samples into the cells of one level, see [`merge_samples`].
     pub merge: &'static Kernel,
     /// Illumination at vertices. Raises [`Status::NON_FINITE`] where a vertex's own light was needed and was none.
     pub lookup: &'static Kernel,
@@ -61,10 +58,11 @@ const fn decl(name: &'static str, access: Access, stride: usize) -> BindingDecl 
 
 const STRUCTURE: BindingDecl = decl("hc_structure", Access::In, 4);
 const VERTICES: BindingDecl = decl("hc_vertices", Access::In, size_of::<VertexRecord>());
-const MARKS: BindingDecl = decl("hc_marks", Access::AtomicU32, 4);
-const LISTS: BindingDecl = decl("hc_lists", Access::AtomicU32, 8 * ENTRY_WORDS);
+const COUNTERS: BindingDecl = decl("hc_counters", Access::AtomicU32, 4 * COUNTER_WORDS);
 const SAMPLES: BindingDecl = decl("hc_samples", Access::AtomicU32, size_of::<Sample>());
 const KEYS: BindingDecl = decl("hc_keys", Access::AtomicU32, 4);
+const KEYS_OUT: BindingDecl = decl("hc_keys", Access::OutPerItem, 4);
+const NUMBERS: BindingDecl = decl("hc_order", Access::In, 4);
 const ORDER: BindingDecl = decl("hc_order", Access::OutPerItem, 4);
 const SORTED_FROM: BindingDecl = decl("hc_samples", Access::In, size_of::<Sample>());
 const SORTED_TO: BindingDecl = decl("hc_sorted", Access::OutPerItem, size_of::<Sample>());
@@ -89,30 +87,34 @@ macro_rules! kernel {
 }
 
 /// Makes samples of vertices. Raises [`Status::NON_FINITE`], and [`Status::TABLE_FULL`] where there was no room.
-pub static RECORD: Kernel = kernel!("octree.record", [STRUCTURE, VERTICES, SAMPLES, KEYS, MARKS], record);
+pub static RECORD: Kernel = kernel!("octree.record", [STRUCTURE, VERTICES, SAMPLES, KEYS, COUNTERS], record);
+
+/// The second part of the samples' keys, in the order that the first gave them.
+pub static REKEY: Kernel = kernel!("octree.rekey", [STRUCTURE, NUMBERS, SORTED_FROM, KEYS_OUT], rekey);
 
 /// Puts samples into the order of their keys, and makes the order a row of numbers again.
 pub static ARRANGE: Kernel = kernel!("octree.arrange", [ORDER, SORTED_FROM, SORTED_TO], arrange);
 
-const _: () = assert!(RECORD.is_well_formed() && ARRANGE.is_well_formed());
+const _: () = assert!(RECORD.is_well_formed() && REKEY.is_well_formed() && ARRANGE.is_well_formed());
 
 macro_rules! layout {
-    ($kernels:ident, $cell:ty, $deposit:literal, $merge:literal, $lookup:literal) => {
+    ($kernels:ident, $cell:ty, $merge:literal, $lookup:literal) => {
         static $kernels: Kernels = {
-            static DEPOSIT: Kernel =
-                kernel!($deposit, [STRUCTURE, cells::<$cell>(Access::In), SORTED, MARKS, LISTS], deposit::<$cell>);
             static MERGE: Kernel =
-                kernel!($merge, [STRUCTURE, cells::<$cell>(Access::AtomicU32), MARKS, LISTS], merge::<$cell>);
-            static LOOKUP: Kernel =
-                kernel!($lookup, [STRUCTURE, cells::<$cell>(Access::In), VERTICES, MARKS, ESTIMATES], lookup::<$cell>);
-            const _: () = assert!(DEPOSIT.is_well_formed() && MERGE.is_well_formed() && LOOKUP.is_well_formed());
-            Kernels { deposit: &DEPOSIT, merge: &MERGE, lookup: &LOOKUP }
+                kernel!($merge, [STRUCTURE, cells::<$cell>(Access::AtomicU32), SORTED, COUNTERS], merge::<$cell>);
+            static LOOKUP: Kernel = kernel!(
+                $lookup,
+                [STRUCTURE, cells::<$cell>(Access::In), VERTICES, COUNTERS, ESTIMATES],
+                lookup::<$cell>
+            );
+            const _: () = assert!(MERGE.is_well_formed() && LOOKUP.is_well_formed());
+            Kernels { merge: &MERGE, lookup: &LOOKUP }
         };
     };
 }
 
-layout!(EXACT, ExactCell, "octree.deposit", "octree.merge", "octree.lookup");
-layout!(PAPER, PaperCell, "octree.deposit_paper", "octree.merge_paper", "octree.lookup_paper");
+layout!(EXACT, ExactCell, "octree.merge", "octree.lookup");
+layout!(PAPER, PaperCell, "octree.merge_paper", "octree.lookup_paper");
 
 /// The launch's octree and parameters, if the octree is sound and has as many cells as are bound.
 fn octree<'a>(launch: &Launch<'a>, cells: usize) -> Option<(Octree<'a>, &'a OctreeParams)> {
@@ -121,14 +123,6 @@ fn octree<'a>(launch: &Launch<'a>, cells: usize) -> Option<(Octree<'a>, &'a Octr
         launch.raise(Status::TABLE_FULL);
     }
     Some((octree?, launch.params()))
-}
-
-fn pending<'a>(launch: &Launch<'a>, octree: &Octree<'_>, marks: usize) -> Option<Pending<'a>> {
-    let pending = Pending::new(launch.atomic_u32(marks), launch.atomic_u32(marks + 1), octree.cells()).ok();
-    if pending.is_none() {
-        launch.raise(Status::TABLE_FULL);
-    }
-    pending
 }
 
 /// The launch's part of an input.
@@ -145,8 +139,8 @@ fn record(launch: &mut Launch<'_>) {
     let samples = launch.atomic_u32(2).get(first * SAMPLE_WORDS..(first + count) * SAMPLE_WORDS);
     let (Some(keys), Some(samples)) = (keys, samples) else { return launch.raise(Status::TABLE_FULL) };
     let mut counters = Counters::default();
-    sample_vertices(octree.grid(), params, items(launch, 1), &mut counters, |i, key, sample| {
-        keys[i].store(key, Relaxed);
+    sample_vertices(octree.grid(), params, items(launch, 1), &mut counters, |i, sample| {
+        keys[i].store(sample_key(octree.grid(), &sample, 0), Relaxed);
         let words: [u32; SAMPLE_WORDS] = bytemuck::cast(sample);
         for (to, word) in samples[i * SAMPLE_WORDS..].iter().zip(words) {
             to.store(word, Relaxed);
@@ -158,6 +152,15 @@ fn record(launch: &mut Launch<'_>) {
     add_counters(launch.atomic_u32(4), &counters);
 }
 
+fn rekey(launch: &mut Launch<'_>) {
+    let Some((octree, _)) = octree(launch, usize::MAX) else { return };
+    let samples = launch.input::<Sample>(2);
+    for (from, key) in items::<u32>(launch, 1).iter().zip(launch.output::<u32>(3)) {
+        let sample = samples.get(*from as usize).copied().unwrap_or_else(Sample::zeroed);
+        *key = sample_key(octree.grid(), &sample, 1);
+    }
+}
+
 fn arrange(launch: &mut Launch<'_>) {
     let samples = launch.input::<Sample>(1);
     let (order, sorted) = (launch.output::<u32>(0), launch.output::<Sample>(2));
@@ -167,22 +170,13 @@ fn arrange(launch: &mut Launch<'_>) {
     }
 }
 
-fn deposit<C: CellRecord>(launch: &mut Launch<'_>) {
-    let cells = launch.input::<C>(1);
-    let Some((octree, _)) = octree(launch, cells.len()) else { return };
-    let Some(pending) = pending(launch, &octree, 3) else { return };
-    let mut counters = Counters::default();
-    if deposit_samples(&octree, cells, &pending, items(launch, 2), &mut counters) {
-        launch.raise(Status::TABLE_FULL);
-    }
-    pending.add_counters(&counters);
-}
-
 fn merge<C: CellRecord>(launch: &mut Launch<'_>) {
     let words = launch.atomic_u32(1);
     let Some((octree, params)) = octree(launch, words.len() / C::WORDS) else { return };
-    let Some(pending) = pending(launch, &octree, 2) else { return };
-    merge_entries(&octree, &SharedCells::<C>::new(words), &pending, params, params.level(), launch.items());
+    let mut counters = Counters::default();
+    let (cells, samples) = (SharedCells::<C>::new(words), launch.input::<Sample>(2));
+    merge_samples(&octree, &cells, params, params.level(), samples, launch.items(), &mut counters);
+    add_counters(launch.atomic_u32(3), &counters);
 }
 
 fn lookup<C: CellRecord>(launch: &mut Launch<'_>) {

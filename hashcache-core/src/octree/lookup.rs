@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::block::cell_bit;
 use super::cell::{CellRecord, Side};
 use super::cells::ReadCells;
-use super::deposit::{BATCH, side_of};
+use super::merge::{BATCH, side_of};
 use super::params::{JITTER_BITS, Light, OctreeParams};
 use super::view::Octree;
 use crate::counters::Counters;
@@ -32,6 +32,8 @@ struct Question {
 }
 
 impl Question {
+    const NONE: Self = Self { position: Vec3::ZERO, offset: Vec3::ZERO, nearest: 0, first: 0 };
+
     #[inline]
     fn new(octree: &Octree<'_>, params: &OctreeParams, factor: f32, vertex: &VertexRecord) -> Self {
         let [x, y, z, footprint] = vertex.position_footprint;
@@ -102,80 +104,107 @@ pub fn estimate_vertices<C: CellRecord>(
 ) {
     let factor = octree.grid().recip_cell * params.cell_factor();
     for (b, batch) in vertices.chunks(BATCH).enumerate() {
-        // Each step is a loop of its own: only so close together do its misses overlap.
-        let mut questions = [None; BATCH];
-        let mut cells_asked = [[u32::MAX; 3]; BATCH];
-        for ((to, cell), vertex) in questions.iter_mut().zip(&mut cells_asked).zip(batch) {
-            if vertex.is_valid() {
-                let question = Question::new(octree, params, factor, vertex);
-                *cell = question.jittered(octree, question.first).unwrap_or([u32::MAX; 3]);
-                *to = Some(question);
-            }
+        let mut asked = [Question::NONE; BATCH];
+        let mut blends = [const { Blend::NONE }; BATCH];
+        let mut open = [0; BATCH];
+        let mut count = 0;
+        for (i, vertex) in batch.iter().enumerate().filter(|(_, vertex)| vertex.is_valid()) {
+            asked[i] = Question::new(octree, params, factor, vertex);
+            open[count] = i;
+            count += 1;
         }
-        let mut entries = [None; BATCH];
-        for ((entry, cell), question) in entries.iter_mut().zip(cells_asked).zip(&questions) {
-            *entry = question.as_ref().and_then(|question| octree.place(question.first, cell));
+        counters.lookups += count as u64;
+        let mut step = 0;
+        while count > 0 {
+            count = ask_level(octree, cells, params, batch, &asked, step, &mut open[..count], &mut blends, counters);
+            step += 1;
         }
-        let mut indices = [None; BATCH];
-        for ((index, entry), cell) in indices.iter_mut().zip(entries).zip(cells_asked) {
-            *index = entry.and_then(|entry| octree.entry(entry).index(cell_bit(cell)));
-        }
-        let mut found = [None; BATCH];
-        for (to, index) in found.iter_mut().zip(indices) {
-            *to = index.map(|index| cells.get(index));
-        }
-        for (i, ((vertex, question), first)) in batch.iter().zip(questions).zip(found).enumerate() {
-            let estimate = match question {
-                None => Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 },
-                Some(question) => estimate_vertex(octree, cells, params, vertex, &question, first, counters),
+        for (i, vertex) in batch.iter().enumerate() {
+            let estimate = if vertex.is_valid() {
+                conclude(params, vertex, &asked[i], &blends[i], counters)
+            } else {
+                Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 }
             };
             answer(b * BATCH + i, estimate);
         }
     }
 }
 
-#[inline]
-fn estimate_vertex<C: CellRecord>(
+/// Asks the level `step` above each open question's first one. Returns how many questions stay open; their indices come
+/// first in `open`.
+#[expect(clippy::too_many_arguments, reason = "one call, all of them borrowed from the caller")]
+fn ask_level<C: CellRecord>(
     octree: &Octree<'_>,
     cells: &(impl ReadCells<C> + ?Sized),
     params: &OctreeParams,
-    vertex: &VertexRecord,
-    question: &Question,
-    first: Option<C>,
+    batch: &[VertexRecord],
+    asked: &[Question; BATCH],
+    step: u32,
+    open: &mut [usize],
+    blends: &mut [Blend; BATCH],
     counters: &mut Counters,
-) -> Estimate {
-    counters.lookups += 1;
-    let side = |cell: &C| side_in(params, cell, vertex.normal);
-    let read = |level: u32, cell: Option<[u32; 3]>| octree.cell(level, cell?).map(|cell| cells.get(cell));
-    let mut best = Blend::new(params.shrinkage());
-    let last = (question.nearest + params.max_climb()).min(octree.grid().levels - 1);
-    for level in question.first..=last {
-        let jittered = if level == question.first { first } else { read(level, question.jittered(octree, level)) };
-        counters.probes += u64::from(jittered.is_some());
-        let mut here = jittered.map_or(Side::default(), |cell| side(&cell));
-        if here.count == 0 {
-            if let Some(cell) = read(level, question.plain(octree, level)) {
-                counters.probes += 1;
-                here = side(&cell);
-            }
-        }
-        best.add(&here, level);
-        if best.most >= params.min_samples() {
-            break;
+) -> usize {
+    // Finding and reading are loops of their own: only so close together do their misses overlap.
+    let mut places = [None; BATCH];
+    for (place, &i) in places.iter_mut().zip(open.iter()) {
+        let level = asked[i].first + step;
+        let cell = asked[i].jittered(octree, level);
+        *place = cell.and_then(|cell| Some((octree.place(level, cell)?, cell_bit(cell))));
+    }
+    let mut indices = [None; BATCH];
+    for (index, place) in indices.iter_mut().zip(places) {
+        *index = place.and_then(|(place, bit)| octree.entry(place).index(bit));
+    }
+    let mut here = [Side::default(); BATCH];
+    for ((to, index), &i) in here.iter_mut().zip(indices).zip(open.iter()) {
+        if let Some(cell) = index {
+            *to = side_in(params, &cells.get(cell), batch[i].normal);
+            counters.probes += 1;
         }
     }
-    if best.most == 0 {
+    let top = octree.grid().levels - 1;
+    let mut kept = 0;
+    for k in 0..open.len() {
+        let i = open[k];
+        let (question, level) = (&asked[i], asked[i].first + step);
+        let mut side = here[k];
+        if side.count == 0 {
+            let cell = question.plain(octree, level).and_then(|cell| octree.cell(level, cell));
+            if let Some(cell) = cell {
+                counters.probes += 1;
+                side = side_in(params, &cells.get(cell), batch[i].normal);
+            }
+        }
+        blends[i].add(params.shrinkage(), &side, level);
+        let last = (question.nearest + params.max_climb()).min(top);
+        if blends[i].most < params.min_samples() && level < last {
+            open[kept] = i;
+            kept += 1;
+        }
+    }
+    kept
+}
+
+/// The answer to a question whose levels are all read.
+#[inline]
+fn conclude(
+    params: &OctreeParams,
+    vertex: &VertexRecord,
+    question: &Question,
+    blend: &Blend,
+    counters: &mut Counters,
+) -> Estimate {
+    if blend.most == 0 {
         counters.fallbacks += 1;
         return Estimate { direct: Vec3::ZERO, further: own_light(params, vertex, counters), samples: 0 };
     }
     counters.hits += 1;
-    counters.coarser += u64::from(best.level > question.nearest);
-    Estimate { direct: Vec3::ZERO, further: best.mean(), samples: best.samples }
+    counters.coarser += u64::from(blend.level > question.nearest);
+    Estimate { direct: Vec3::ZERO, further: blend.mean(), samples: blend.samples }
 }
 
 /// What a lookup makes of the levels it reads, finest first.
 struct Blend {
-    shrinkage: f32,
     /// Weighted sum so far, the weight that is left for coarser levels, and the mean of the coarsest level read.
     sum: Vec3,
     left: f32,
@@ -188,20 +217,17 @@ struct Blend {
 }
 
 impl Blend {
-    #[inline]
-    const fn new(shrinkage: f32) -> Self {
-        Self { shrinkage, sum: Vec3::ZERO, left: 1.0, coarsest: Vec3::ZERO, most: 0, samples: 0, level: 0 }
-    }
+    const NONE: Self = Self { sum: Vec3::ZERO, left: 1.0, coarsest: Vec3::ZERO, most: 0, samples: 0, level: 0 };
 
     /// With shrinkage k, a side of n samples keeps the share n/(n+k) of what finer ones left; without, the side with the
     /// most samples has it all.
     #[inline]
-    fn add(&mut self, side: &Side, level: u32) {
+    fn add(&mut self, shrinkage: f32, side: &Side, level: u32) {
         if side.count == 0 {
             return;
         }
         let mean = Vec3::from_array(side.mean);
-        if self.shrinkage == 0.0 {
+        if shrinkage == 0.0 {
             if side.count > self.most {
                 (self.coarsest, self.samples, self.level) = (mean, side.count, level);
             }
@@ -209,7 +235,7 @@ impl Blend {
             if self.most == 0 {
                 (self.samples, self.level) = (side.count, level);
             }
-            let share = side.count as f32 / (side.count as f32 + self.shrinkage);
+            let share = side.count as f32 / (side.count as f32 + shrinkage);
             self.sum += mean * (self.left * share);
             self.left *= 1.0 - share;
             self.coarsest = mean;
@@ -227,7 +253,7 @@ impl Blend {
 #[inline]
 fn side_in<C: CellRecord>(params: &OctreeParams, cell: &C, normal: u32) -> Side {
     if cell.wiped() == params.wiped() {
-        cell.side(side_of(cell.normal(), normal), params.quantum())
+        cell.side(side_of(octahedral_decode_int(cell.normal()), normal), params.quantum())
     } else {
         Side::default()
     }

@@ -1,122 +1,134 @@
-//! The end of a frame: a level's sums are merged into its cells and handed on to the next coarser level.
+//! The end of a frame: sorted samples are summed cell by cell, and the sums merged into the cells of a level.
 
 use core::ops::Range;
 
 use super::cell::{BACK, CellRecord, FRONT, Side, Sum};
 use super::cells::{ReadCells, SharedCells};
-use super::deposit::{BATCH, side_of};
 use super::params::OctreeParams;
-use super::pending::{Entry, Owner, Pending};
+use super::sample::{Sample, same_cell};
 use super::view::{NO_CELL, Octree};
+use crate::counters::Counters;
 use crate::exact::mean;
 use crate::hash::pcg4d;
+use crate::pack::octahedral_decode_int;
 
-/// Merges the entries `entries` of a level's list into their cells, and adds them to the list of the next coarser level.
+/// Most samples of a frame: sums of two clamped values each, 2³⁴ quanta, stay below 2⁶⁴.
+pub const MAX_SAMPLES: u32 = 1 << 28;
+
+/// Cells and lookups that are worked on together, so that their cache misses overlap: each step is a loop of its own,
+/// since only so close together do they. More than the misses that a core keeps in flight gains nothing.
+pub(crate) const BATCH: usize = 16;
+
+/// Which side of a surface with normal `normal` (decoded) the direction `n` (octahedral) points to.
+#[inline]
+pub(crate) const fn side_of(normal: [i32; 3], n: u32) -> usize {
+    let ([a, b, c], [x, y, z]) = (normal, octahedral_decode_int(n));
+    // At most 32767² in magnitude, whatever the order of additions.
+    if a * x + b * y + c * z >= 0 { FRONT } else { BACK }
+}
+
+/// The samples of one cell: a run of the sorted samples.
+#[derive(Clone, Copy, Default)]
+struct Run {
+    start: usize,
+    end: usize,
+}
+
+/// Merges a frame's samples into the cells of a level: those of all cells whose first sample is one of `items`.
 ///
-/// A frame ends by this for every level, the finest first, and once more for the level behind the coarsest
-/// ([`Grid::levels`](super::Grid::levels)), each after the one before has ended. Entries beyond the list's end are fine: any number of threads may
-/// merge parts of `0..`[`Pending::capacity`].
+/// `samples` are in the order of their [places](super::sample_key), kept ones first. A frame ends by this for every level,
+/// in any order: any number of threads may merge parts of `0..samples.len()`. A cell is written by one thread
+/// and from exact sums, so it gets the same bits for any number of threads and any order of equal places.
 ///
-/// A cell is written by one thread and from an exact sum, so it gets the same bits for any number of threads. A cell of
-/// a coarser level gets the light of all cells below it: front adds to the side that the two normals agree on.
-pub fn merge_entries<C: CellRecord>(
+/// Each sample goes to the side of the cell that its own normal points to, on every level as lookups do. One whose finest
+/// level has no cell there (rounding may move a vertex off its surface) is found on the coarser ones, counted in
+/// [`Counters::coarser`].
+pub fn merge_samples<C: CellRecord>(
     octree: &Octree<'_>,
     cells: &SharedCells<'_, C>,
-    pending: &Pending<'_>,
     params: &OctreeParams,
     level: u32,
-    entries: Range<u32>,
+    samples: &[Sample],
+    items: Range<u32>,
+    counters: &mut Counters,
 ) {
-    if entries.start == 0 && level > 0 {
-        pending.forget(level - 1);
+    let last = (items.end as usize).min(samples.len());
+    let mut next = items.start as usize;
+    // A run that began before belongs to whoever has its first sample.
+    if next > 0 {
+        while next < last && same_cell(&samples[next - 1], &samples[next], level) {
+            next += 1;
+        }
     }
-    let end = entries.end.min(pending.len(level));
-    let mut first = entries.start;
-    while first < end {
-        let last = end.min(first + BATCH as u32);
-        merge_batch(octree, cells, pending, params, level, first..last);
-        first = last;
+    while next < last && samples[next].is_kept() {
+        let mut runs = [Run::default(); BATCH];
+        let mut places = [[0; 3]; BATCH];
+        let mut found = 0;
+        while found < BATCH && next < last && samples[next].is_kept() {
+            let start = next;
+            next += 1;
+            while next < samples.len() && same_cell(&samples[start], &samples[next], level) {
+                next += 1;
+            }
+            runs[found] = Run { start, end: next };
+            places[found] = samples[start].place().map(|c| c >> level);
+            found += 1;
+        }
+        merge_runs(octree, cells, params, level, samples, &runs[..found], &places[..found], counters);
     }
 }
 
-/// Merges a batch of entries, in steps that each overlap their cache misses.
+#[expect(clippy::too_many_arguments, reason = "the inside of a loop, in a function of its own")]
 #[inline]
-fn merge_batch<C: CellRecord>(
+fn merge_runs<C: CellRecord>(
     octree: &Octree<'_>,
     cells: &SharedCells<'_, C>,
-    pending: &Pending<'_>,
     params: &OctreeParams,
     level: u32,
-    entries: Range<u32>,
+    samples: &[Sample],
+    runs: &[Run],
+    places: &[[u32; 3]],
+    counters: &mut Counters,
 ) {
-    let above = level + 1;
-    let mut taken = [None; BATCH];
-    for (to, entry) in taken.iter_mut().zip(entries) {
-        *to = pending.take(level, entry);
+    let mut indices = [NO_CELL; BATCH];
+    octree.find_cells(level, places, &mut indices[..places.len()]);
+    let mut old = [C::zeroed(); BATCH];
+    for (cell, index) in old.iter_mut().zip(indices).filter(|(_, index)| *index != NO_CELL) {
+        *cell = cells.get(index);
     }
-    let mut normals = [0; BATCH];
-    let mut places = [[u32::MAX; 3]; BATCH];
-    for ((normal, place), entry) in normals.iter_mut().zip(&mut places).zip(&taken) {
-        let Some(entry) = entry else { continue };
-        *normal = match entry.owner {
-            Owner::Cell(cell) => cells.normal(cell),
-            Owner::Sample(normal) => normal,
-        };
-        *place = entry.place.map(|c| c >> above);
-    }
-    let has_parents = above < octree.grid().levels;
-    let mut parents = [NO_CELL; BATCH];
-    let mut parent_normals = normals;
-    let mut wanted = 0;
-    if has_parents {
-        octree.find_cells(above, &places, &mut parents);
-        for ((parent, normal), entry) in parents.iter().zip(&mut parent_normals).zip(&taken) {
-            if *parent != NO_CELL {
-                *normal = cells.normal(*parent);
-                wanted += u32::from(pending.mark(*parent) == 0);
-            } else {
-                wanted += u32::from(entry.is_some());
-            }
+    for ((run, index), cell) in runs.iter().zip(indices).zip(&mut old) {
+        let run = &samples[run.start..run.end];
+        if index == NO_CELL {
+            counters.coarser += if level == 0 { run.len() as u64 } else { 0 };
+            continue;
         }
-    }
-    for entry in taken.iter().flatten() {
-        if let Owner::Cell(cell) = entry.owner {
-            pending.unmark(cell);
-            merge_cell(cells, params, cell, entry);
-        }
-    }
-    if !has_parents {
-        return;
-    }
-    let mut reserved = pending.reserve(above, wanted);
-    for (((entry, normal), parent), parent_normal) in taken.iter().zip(normals).zip(parents).zip(parent_normals) {
-        let Some(entry) = entry else { continue };
-        let parent = if parent == NO_CELL { Owner::Sample(normal) } else { Owner::Cell(parent) };
-        // As many are reserved as are wanted, and a level has no more entries than the one below.
-        let Some(to) = pending.claim(above, parent, entry.place, &mut reserved) else { continue };
-        let front = side_of(parent_normal, normal);
-        for (side, to_side) in [(FRONT, front), (BACK, 1 - front)] {
-            if entry.counts[side] > 0 {
-                pending.add(above, to, to_side, entry.sums[side], entry.counts[side]);
-            }
-        }
+        merge_run(cell, params, index, run);
+        cells.set(index, cell);
     }
 }
 
-/// Merges an entry into its cell.
+/// Merges samples into their cell.
 #[inline]
-fn merge_cell<C: CellRecord>(cells: &SharedCells<'_, C>, params: &OctreeParams, index: u32, entry: &Entry) {
-    let mut cell = cells.get(index);
+fn merge_run<C: CellRecord>(cell: &mut C, params: &OctreeParams, index: u32, run: &[Sample]) {
     if cell.wiped() != params.wiped() {
-        cell = C::empty(cell.normal(), params.wiped());
+        *cell = C::empty(cell.normal(), params.wiped());
+    }
+    let mut sums = [[0_u64; 3]; 2];
+    let mut counts = [0; 2];
+    let normal = octahedral_decode_int(cell.normal());
+    for sample in run {
+        let side = side_of(normal, sample.normal());
+        let [r, g, b] = sample.sums();
+        sums[side][0] += r;
+        sums[side][1] += g;
+        sums[side][2] += b;
+        counts[side] += 1;
     }
     for side in [FRONT, BACK] {
-        if entry.counts[side] > 0 {
-            let random = [params.seed(), index * 2 + side as u32];
-            merge_side(&mut cell, params, side, entry.sums[side], entry.counts[side], random);
+        if counts[side] > 0 {
+            merge_side(cell, params, side, sums[side], counts[side], [params.seed(), index * 2 + side as u32]);
         }
     }
-    cells.set(index, &cell);
 }
 
 /// Moves one side's mean by a frame's `count` samples that sum to `sums`.

@@ -18,11 +18,28 @@
 //! from its back. The result depends on the triangles only: not on threads, nor on how work is cut.
 //! [`build_within`] chooses the largest resolution for an amount of memory.
 //!
+//! # Light
+//! A cell keeps the running mean of its samples for each of its two sides ([`ExactCell`], 40 bytes; [`PaperCell`], 24 bytes,
+//! with its drift). In a frame, path vertices become [samples](Sample) of 24 bytes; at its end these are sorted by place,
+//! so that those of a cell stand together on every level, are summed in whole quanta, and each touched cell of each level,
+//! up to the root, moves its mean once ([`merge_samples`]). [Lookups](estimate_vertices) read the level whose cells suit
+//! the footprint, at a jittered place, and climb where samples are few. A wipe is a number: cells that have another
+//! count as empty. [`OctreeCache`] is all that with its own memory; `kernels` and `OctreeStages` are for launchers.
+//!
 //! # Memory
+//! Data, a cell: 40 or 24 bytes; an open frame, a record: 56 (keys, order, samples, and samples in order), 24 in
+//! [`OctreeCache`]. A million cells and frames of 150 thousand records: 40 MB and 8.4 MB.
+//!
 //! A block takes 12 / 0.9 = 13.3 bytes and has about nine cells where surfaces are smooth: 1.4 bytes a cell, 3.4 at
 //! worst with four cells a block; the normal takes 4, the data 40 or 24. While building, 16 to 32 bytes a block and four a
 //! triangle come on top of tables and normals, before any data is there. The country kitchen (1,050,941 triangles) at a
 //! resolution of 2048: 35.2 million cells, 49 MB of tables, 141 MB of normals, 221 MB at the peak.
+//!
+//! # Determinism
+//! Structure: integers behind one multiplication, equal bits everywhere. Data: sums are exact and each cell is written once
+//! a frame, by one item, rounded by chance that a hash of cell and counts decides; so equal bits for any number of
+//! threads, order of records and cut into batches. A frame that outgrows the room it was given is merged in two parts,
+//! which rounds twice.
 //!
 //! # Limits
 //! Static geometry: another scene is another octree. At a resolution of `R` the margin is R·2⁻¹⁹ of a cell: an eighth at the
@@ -35,7 +52,9 @@
 //! # Deviation
 //! The paper has one table entry a cell in buckets of one, and grows the table by 1.1·1.01ⁿ; such tables cannot be filled to
 //! more than half, and 4.4 bytes a cell hold a key or an index, not both, so that lookups return cells of other places. Its
-//! fronts are the sides of the first rays, which depend on the order.
+//! fronts are the sides of the first rays, which depend on the order. Its coarser cells are made of finer ones; here
+//! every sample goes to the side that its own normal points to on each level, which is how lookups ask. Its means round to
+//! nearest and stop moving; see [`PaperCell`].
 
 pub mod block;
 mod cell;
@@ -47,8 +66,8 @@ mod lookup;
 mod merge;
 mod params;
 mod sample;
-mod tally;
 pub mod table;
+mod tally;
 mod view;
 
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]

@@ -35,7 +35,7 @@ pub struct OctreeSettings {
     pub light: Light,
     /// Size of the cells that lookups read, in footprints (pixels as seen along the path), 2⁻¹⁰ to 2¹⁶.
     pub cell: f32,
-    /// s_j: half the edge of the square, in cells, that a lookup is moved in along the surface, 0 to 4.
+    /// The paper's `s_j`: half the edge of the square, in cells, that a lookup is moved in along the surface, 0 to 4.
     pub jitter: f32,
     /// How far levels blend into each other: 0, the level nearest the footprint, with a border where it changes; 1, one of
     /// the two levels around it by chance, so that there is no border.

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::block::morton;
+use super::block::{block_key, morton};
 use super::grid::Grid;
 use super::params::{Light, OctreeParams};
 use crate::counters::Counters;
@@ -14,10 +14,10 @@ use crate::record::VertexRecord;
 const PLACE_BITS: u32 = 17;
 
 /// Bits of a key for each axis.
-const KEY_BITS: u32 = 8;
+const KEY_BITS: u32 = 10;
 
 /// The key of what is not kept: behind all others.
-pub const NO_SAMPLE: u32 = 1 << (3 * KEY_BITS);
+pub const NO_SAMPLE: u32 = u32::MAX;
 
 /// A vertex's place, side and light in 24 bytes.
 ///
@@ -53,6 +53,11 @@ impl Sample {
         Self { low: sums.map(lo), place: [lo(packed), hi(packed)], normal }
     }
 
+    #[inline]
+    const fn packed(&self) -> u64 {
+        pair(self.place[0], self.place[1])
+    }
+
     /// Whether there is one.
     #[inline]
     pub const fn is_kept(&self) -> bool {
@@ -62,7 +67,7 @@ impl Sample {
     /// The cell of the finest level that holds it.
     #[inline]
     pub fn place(&self) -> [u32; 3] {
-        let packed = pair(self.place[0], self.place[1]);
+        let packed = self.packed();
         [0, 1, 2].map(|axis| (packed >> (PLACE_BITS * axis)) as u32 & ((1 << PLACE_BITS) - 1))
     }
 
@@ -80,19 +85,49 @@ impl Sample {
     }
 }
 
-/// A key by which samples that are near in space are near in order: a Morton code of 8 bits an axis.
-///
-/// Samples in this order meet cells, and parents of cells, in nearly the order in which these stand in memory.
+/// Whether two samples lie in the same cell of a level. What is not kept shares a cell with nothing that is.
 #[inline]
-pub fn sample_key(grid: &Grid, place: [u32; 3]) -> u32 {
-    let shift = (grid.resolution.ilog2()).saturating_sub(KEY_BITS);
-    let most = (1 << KEY_BITS) - 1;
-    let axis = |k: usize| (place[k].saturating_sub(grid.corner[k]) >> shift).min(most);
-    morton(super::block::block_key([axis(0), axis(1), axis(2)]))
+pub(crate) const fn same_cell(a: &Sample, b: &Sample, level: u32) -> bool {
+    // The coordinates above their low `level` bits, and the bit of what is kept.
+    let axis = (1_u64 << PLACE_BITS) - (1 << level);
+    let mask = axis | (axis << PLACE_BITS) | (axis << (2 * PLACE_BITS)) | (1 << 60);
+    (a.packed() ^ b.packed()) & mask == 0
 }
 
-/// What a frame keeps of vertices, in order: `keep(i, key, sample)`. [`NO_SAMPLE`] and an empty sample for those that are
-/// not recorded.
+/// How many keys tell the cells of the finest level apart: keys of 10 bits an axis.
+pub const fn sample_keys(grid: &Grid) -> u32 {
+    if grid.levels - 1 > KEY_BITS { 2 } else { 1 }
+}
+
+/// Part `part` of a sample's key; sorted by part 0, then (keeping the order of equals) by the next, samples of a cell of
+/// any level stand together: all parts are a Morton code of the place. [`NO_SAMPLE`] for what is not kept.
+///
+/// Samples in this order meet cells, and parents of cells, in the order in which these stand in memory.
+///
+/// ```
+/// use hashcache_core::glam::Vec3;
+/// use hashcache_core::octree::{Grid, NO_SAMPLE, Sample, sample_key, sample_keys};
+///
+/// let grid = Grid::new(Vec3::ZERO, Vec3::ONE, 1024)?;
+/// let sample = Sample::new([3, 0, 1], [0; 3], 0);
+/// assert_eq!(sample_keys(&grid), 2); // 2048 cells along the cube take 11 bits: one in part 0, ten in part 1
+/// assert_eq!((sample_key(&grid, &sample, 0), sample_key(&grid, &sample, 1)), (0b101, 0b001));
+/// assert_eq!(sample_key(&grid, &bytemuck::Zeroable::zeroed(), 0), NO_SAMPLE);
+/// # Ok::<(), hashcache_core::error::ParamError>(())
+/// ```
+#[inline]
+pub fn sample_key(grid: &Grid, sample: &Sample, part: u32) -> u32 {
+    if !sample.is_kept() {
+        return NO_SAMPLE;
+    }
+    let low = (grid.levels - 1).saturating_sub(KEY_BITS);
+    let last = sample_keys(grid) - 1;
+    let place = sample.place();
+    let bits = if part < last { place.map(|c| c & ((1 << low) - 1)) } else { place.map(|c| c >> low) };
+    morton(block_key(bits))
+}
+
+/// What a frame keeps of vertices, in order: `keep(i, sample)`, with an empty sample for those that are not recorded.
 ///
 /// A vertex outside the octree's cube is refused and counted; all others count as stored from here on.
 pub fn sample_vertices(
@@ -100,10 +135,10 @@ pub fn sample_vertices(
     params: &OctreeParams,
     vertices: &[VertexRecord],
     counters: &mut Counters,
-    mut keep: impl FnMut(usize, u32, Sample),
+    mut keep: impl FnMut(usize, Sample),
 ) {
     for (i, vertex) in vertices.iter().enumerate() {
-        let mut kept = None;
+        let mut sample = Sample::zeroed();
         if vertex.is_recordable() {
             let [x, y, z, _] = vertex.position_footprint;
             let place = grid.coordinates(Vec3::new(x, y, z));
@@ -112,10 +147,9 @@ pub fn sample_vertices(
             counters.refusals += u64::from(place.is_none());
             note_all(&values, place.is_some(), counters);
             let sums = [0, 1, 2].map(|c| values[c].value + values[3 + c].value);
-            kept = place.map(|place| (sample_key(grid, place), Sample::new(place, sums, vertex.normal)));
+            sample = place.map_or(sample, |place| Sample::new(place, sums, vertex.normal));
         }
-        let (key, sample) = kept.unwrap_or((NO_SAMPLE, Sample::zeroed()));
-        keep(i, key, sample);
+        keep(i, sample);
     }
 }
 

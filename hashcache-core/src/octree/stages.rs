@@ -1,17 +1,17 @@
 //! The octree as the pipeline sees it.
 
 use alloc::sync::Arc;
-use alloc::vec;
 use alloc::vec::Vec;
 
 use backend_api::{Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Primitive, Ticket};
 
 use super::cell::{CellRecord, ExactCell, Layout, PaperCell};
-use super::kernels::{ARRANGE, Kernels, RECORD};
+use super::kernels::{ARRANGE, Kernels, RECORD, REKEY};
+use super::merge::MAX_SAMPLES;
 use super::owned::OwnedOctree;
 use super::params::OctreeParams;
-use super::pending::{MAX_RECORDS, Pending};
-use super::sample::Sample;
+use super::sample::{Sample, sample_keys};
+use super::tally::COUNTER_WORDS;
 use crate::counters::Counters;
 use crate::stages::CacheStages;
 
@@ -24,8 +24,8 @@ const WRITTEN: usize = 1 << 16;
 /// An octree and its data in the buffers of a backend.
 ///
 /// `record` keeps a sample of each vertex of a batch (24 bytes); the batch's buffer is free as soon as the dispatch has
-/// run. `update` sorts the samples by place, sums them and merges the sums into the cells of all levels, once a frame.
-/// Lookups see what was merged.
+/// run. `update` sorts the samples by place, sums those of each cell and merges the sums into the cells of all levels,
+/// once a frame. Lookups see what was merged.
 ///
 /// A frame of more records than there is room for is merged in two parts, once; from then on there is room.
 /// [`reserve`](Self::reserve) makes room beforehand.
@@ -35,6 +35,8 @@ pub struct OctreeStages {
     params: OctreeParams,
     layout: Layout,
     levels: u32,
+    /// Parts of the samples' keys.
+    keys: u32,
     buffers: Option<Buffers>,
     /// Records for which the lists have room.
     capacity: u32,
@@ -49,20 +51,21 @@ pub struct OctreeStages {
 struct Buffers {
     structure: BufferId,
     cells: BufferId,
-    marks: BufferId,
-    frame: [BufferId; 5],
+    counters: BufferId,
+    frame: [BufferId; 4],
 }
 
 impl OctreeStages {
     /// Stages over an octree, with cells of layout [`Layout::Exact`].
     pub fn new(octree: impl Into<Arc<OwnedOctree>>, params: OctreeParams) -> Self {
         let octree = octree.into();
-        let levels = octree.view().grid().levels;
+        let grid = *octree.view().grid();
         Self {
             octree,
             params,
             layout: Layout::Exact,
-            levels,
+            levels: grid.levels,
+            keys: sample_keys(&grid),
             buffers: None,
             capacity: FIRST_RECORDS,
             open: 0,
@@ -121,11 +124,9 @@ impl OctreeStages {
         4 * self.octree.words.len() as u64
     }
 
-    /// Bytes that an open frame needs beside: a word a cell, and 200 bytes for each record there is room for.
+    /// Bytes that an open frame needs beside: 56 for each record there is room for.
     pub fn frame_bytes(&self) -> u64 {
-        let [marks, _] = Pending::words(self.cells(), 0);
-        let records: u64 = frame_buffers(self.capacity).iter().map(|desc| desc.size).sum();
-        4 * marks + records
+        frame_buffers(self.capacity).iter().map(|desc| desc.size).sum()
     }
 
     /// The cells' buffer, once prepared.
@@ -135,8 +136,8 @@ impl OctreeStages {
 
     /// The most records of a frame that the lists can have room for.
     pub fn most_records<B: Backend + ?Sized>(backend: &B) -> u32 {
-        let [.., lists] = frame_buffers(1);
-        (backend.max_binding_size() / lists.size).min(u64::from(MAX_RECORDS)) as u32
+        let [.., sorted] = frame_buffers(1);
+        (backend.max_binding_size() / sorted.size).min(u64::from(MAX_SAMPLES)) as u32
     }
 
     /// Makes room for frames of `records` records; what is open is merged first.
@@ -149,8 +150,8 @@ impl OctreeStages {
         }
         let most = Self::most_records(backend);
         if records > most {
-            let [.., lists] = frame_buffers(records);
-            return Err(Error::BadSize { at: lists.name, size: lists.size, limit: frame_buffers(most)[4].size });
+            let [.., sorted] = frame_buffers(records);
+            return Err(Error::BadSize { at: sorted.name, size: sorted.size, limit: frame_buffers(most)[3].size });
         }
         if let Some(buffers) = self.buffers {
             self.merge(backend)?;
@@ -172,8 +173,7 @@ impl OctreeStages {
     /// # Errors
     /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
     pub fn read_counters<B: Backend>(&self, backend: &mut B) -> Result<Ticket, Error> {
-        let [first, words] = Pending::counter_words().map(|words| 4 * words as u64);
-        backend.read(self.buffers("read_counters")?.marks, first, words)
+        backend.read(self.buffers("read_counters")?.counters, 0, COUNTER_BYTES)
     }
 
     /// Sets the counters to zero, after all submitted work.
@@ -181,8 +181,7 @@ impl OctreeStages {
     /// # Errors
     /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
     pub fn reset_counters<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
-        let [first, _] = Pending::counter_words().map(|words| 4 * words as u64);
-        backend.write(self.buffers("reset_counters")?.marks, first, bytemuck::bytes_of(&Counters::default()))
+        backend.write(self.buffers("reset_counters")?.counters, 0, bytemuck::bytes_of(&Counters::default()))
     }
 
     /// The counters in the bytes that a ticket of [`read_counters`](Self::read_counters) was redeemed for.
@@ -196,8 +195,8 @@ impl OctreeStages {
     /// Those of the backend.
     pub fn release<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
         self.open = 0;
-        if let Some(Buffers { structure, cells, marks, frame }) = self.buffers.take() {
-            for buffer in [structure, cells, marks].into_iter().chain(frame) {
+        if let Some(Buffers { structure, cells, counters, frame }) = self.buffers.take() {
+            for buffer in [structure, cells, counters].into_iter().chain(frame) {
                 backend.destroy(buffer)?;
             }
         }
@@ -214,20 +213,18 @@ impl OctreeStages {
 
     /// Everything bound whole.
     fn bindings(&self, kernel: &Kernel) -> Result<Bound, Error> {
-        let Buffers { structure, cells, marks, frame } = self.buffers(kernel.name)?;
-        let [mark_words, _] = Pending::words(self.cells(), 0);
+        let Buffers { structure, cells, counters, frame } = self.buffers(kernel.name)?;
         let bind = |buffer, size| Binding { buffer, offset: 0, size };
         let sizes = frame_buffers(self.capacity).map(|desc| desc.size);
-        let [keys, order, samples, sorted, lists] = core::array::from_fn(|k| bind(frame[k], sizes[k]));
+        let [keys, order, samples, sorted] = core::array::from_fn(|k| bind(frame[k], sizes[k]));
         Ok(Bound {
             structure: bind(structure, self.table_bytes()),
             cells: bind(cells, self.data_bytes()),
-            marks: bind(marks, 4 * mark_words),
+            counters: bind(counters, COUNTER_BYTES),
             keys,
             order,
             samples,
             sorted,
-            lists,
         })
     }
 
@@ -236,18 +233,23 @@ impl OctreeStages {
         if self.open == 0 {
             return Ok(());
         }
-        let Kernels { deposit, merge, .. } = *self.kernels();
-        let Bound { structure, cells, marks, keys, order, samples, sorted, lists } = self.bindings(merge)?;
+        let merge = self.kernels().merge;
+        let Bound { structure, cells, counters, keys, order, samples, sorted } = self.bindings(merge)?;
         let count = self.open;
         let items = Items::Count(count);
-        backend.primitive(Primitive::SortPairs { keys: keys.buffer, values: order.buffer, count })?;
         let params = bytemuck::bytes_of(&self.params);
+        let sort = Primitive::SortPairs { keys: keys.buffer, values: order.buffer, count };
+        backend.primitive(sort)?;
+        if self.keys > 1 {
+            backend.dispatch(&REKEY, params, &[structure, order, samples, keys], items)?;
+            backend.primitive(sort)?;
+        }
         backend.dispatch(&ARRANGE, params, &[order, samples, sorted], items)?;
-        backend.dispatch(deposit, params, &[structure, cells, sorted, marks, lists], items)?;
-        // No level has more entries than the frame has records.
-        for level in 0..=self.levels {
+        // The binding ends with the frame: what stands behind is older.
+        let sorted = Binding { size: size_of::<Sample>() as u64 * u64::from(count), ..sorted };
+        for level in 0..self.levels {
             let params = self.params.with_level(level);
-            backend.dispatch(merge, bytemuck::bytes_of(&params), &[structure, cells, marks, lists], items)?;
+            backend.dispatch(merge, bytemuck::bytes_of(&params), &[structure, cells, sorted, counters], items)?;
         }
         self.open = 0;
         self.frame = self.frame.wrapping_add(1);
@@ -276,23 +278,21 @@ impl OctreeStages {
     }
 
     fn create<B: Backend>(&self, backend: &mut B) -> Result<Buffers, Error> {
-        let [marks, _] = Pending::words(self.cells(), 0);
-        let [keys, order, samples, sorted, lists] = frame_buffers(self.capacity);
+        let [keys, order, samples, sorted] = frame_buffers(self.capacity);
         let desc = |name, size| BufferDesc { name, size };
-        let [structure, cells, marks, frame @ ..]: [BufferId; 8] = create(
+        let [structure, cells, counters, frame @ ..]: [BufferId; 7] = create(
             backend,
             &[
                 desc("octree.structure", self.table_bytes()),
                 desc("octree.cells", self.data_bytes()),
-                desc("octree.marks", 4 * marks),
+                desc("octree.counters", COUNTER_BYTES),
                 keys,
                 order,
                 samples,
                 sorted,
-                lists,
             ],
         )?;
-        Ok(Buffers { structure, cells, marks, frame })
+        Ok(Buffers { structure, cells, counters, frame })
     }
 
     /// Writes the tables, and empty cells with their normals.
@@ -316,28 +316,27 @@ impl OctreeStages {
     }
 }
 
+const COUNTER_BYTES: u64 = 4 * COUNTER_WORDS as u64;
+
 /// What kernels bind.
 struct Bound {
     structure: Binding,
     cells: Binding,
-    marks: Binding,
+    counters: Binding,
     keys: Binding,
     order: Binding,
     samples: Binding,
     sorted: Binding,
-    lists: Binding,
 }
 
-/// Buffers of an open frame with room for `records`: keys, order, samples, sorted samples, lists.
-const fn frame_buffers(records: u32) -> [BufferDesc; 5] {
+/// Buffers of an open frame with room for `records`: keys, order, samples, sorted samples.
+const fn frame_buffers(records: u32) -> [BufferDesc; 4] {
     let (words, samples) = (4 * records as u64, size_of::<Sample>() as u64 * records as u64);
-    let [_, lists] = Pending::words(0, records);
     [
         BufferDesc { name: "octree.keys", size: words },
         BufferDesc { name: "octree.order", size: words },
         BufferDesc { name: "octree.samples", size: samples },
         BufferDesc { name: "octree.sorted", size: samples },
-        BufferDesc { name: "octree.lists", size: 4 * lists },
     ]
 }
 
@@ -363,7 +362,7 @@ fn create<B: Backend, const N: usize>(backend: &mut B, all: &[BufferDesc; N]) ->
 }
 
 /// Numbers the order from 0 on.
-fn number<B: Backend>(backend: &mut B, frame: [BufferId; 5], records: u32) -> Result<(), Error> {
+fn number<B: Backend>(backend: &mut B, frame: [BufferId; 4], records: u32) -> Result<(), Error> {
     let order: Vec<u32> = (0..records).collect();
     backend.write(frame[1], 0, bytemuck::cast_slice(&order))
 }
@@ -390,9 +389,9 @@ impl<B: Backend> CacheStages<B> for OctreeStages {
         if wanted > self.capacity {
             self.merge_and_grow(backend, wanted, count)?;
         }
-        let Bound { structure, marks, keys, samples, .. } = self.bindings(&RECORD)?;
+        let Bound { structure, counters, keys, samples, .. } = self.bindings(&RECORD)?;
         let params = self.params.with_first(self.open);
-        let bindings = [structure, records, samples, keys, marks];
+        let bindings = [structure, records, samples, keys, counters];
         backend.dispatch(&RECORD, bytemuck::bytes_of(&params), &bindings, Items::Count(count))?;
         self.open += count;
         Ok(())
@@ -406,13 +405,14 @@ impl<B: Backend> CacheStages<B> for OctreeStages {
     fn query(&mut self, backend: &mut B, records: Binding, estimates: Binding, count: u32) -> Result<(), Error> {
         self.apply_wipe(backend)?;
         let kernel = self.kernels().lookup;
-        let Bound { structure, cells, marks, .. } = self.bindings(kernel)?;
-        let bindings = [structure, cells, records, marks, estimates];
+        let Bound { structure, cells, counters, .. } = self.bindings(kernel)?;
+        let bindings = [structure, cells, records, counters, estimates];
         backend.dispatch(kernel, bytemuck::bytes_of(&self.params), &bindings, Items::Count(count))
     }
 
     fn kernels(&self) -> Vec<&'static str> {
-        let Kernels { deposit, merge, lookup } = Self::kernels(self);
-        vec![RECORD.name, "sort_pairs", ARRANGE.name, deposit.name, merge.name, lookup.name]
+        let Kernels { merge, lookup } = Self::kernels(self);
+        let rekey = if self.keys > 1 { Some(REKEY.name) } else { None };
+        [RECORD.name].into_iter().chain(rekey).chain([ARRANGE.name, merge.name, lookup.name]).collect()
     }
 }

@@ -59,20 +59,21 @@ impl BlockEntry {
 /// Where a key's entry stands in a table of whole buckets: the word of its key, counted from the table's first.
 #[inline]
 pub(crate) fn find(table: &[[u32; 12]], seed: u32, key: u32) -> Option<u32> {
-    find_in(table, key, bucket_pair(key, seed, table.len() as u32))
+    let [a, b] = bucket_pair(key, seed, table.len() as u32);
+    // Both are looked at, so that the reads overlap.
+    let (a, b) = (find_in(table, key, a), find_in(table, key, b));
+    let place = if a == u32::MAX { b } else { a };
+    (place != u32::MAX).then_some(place)
 }
 
-/// [`find`] with the two buckets of the key. Both are read at once, and the place among eight entries is found without a
-/// branch: lookups of many keys overlap their cache misses.
+/// Where a key's entry stands if it is in this bucket; `u32::MAX` if not. The place among the four is found without a
+/// branch.
 #[inline]
-pub(crate) fn find_in(table: &[[u32; 12]], key: u32, [a, b]: [u32; 2]) -> Option<u32> {
-    let places = matches(table.get(a as usize)?, key) | (matches(table.get(b as usize)?, key) << BUCKET_ENTRIES);
-    if places == 0 {
-        return None;
-    }
-    let place = places.trailing_zeros();
-    let bucket = if place < BUCKET_ENTRIES { a } else { b };
-    Some(bucket * BUCKET_WORDS + place % BUCKET_ENTRIES)
+pub(crate) fn find_in(table: &[[u32; 12]], key: u32, bucket: u32) -> u32 {
+    let Some(words) = table.get(bucket as usize) else { return u32::MAX };
+    // A fifth place stands for none, and all ones make `u32::MAX` of it.
+    let place = (matches(words, key) | 1 << BUCKET_ENTRIES).trailing_zeros();
+    (bucket * BUCKET_WORDS + place) | (place >> 2).wrapping_neg()
 }
 
 /// One bit for each entry of a bucket that has the key.

@@ -1,7 +1,7 @@
 //! Rounding by chance, and the layouts' words.
 
 use hashcache_core::exact::Quantum;
-use hashcache_core::octree::{BACK, CellRecord, ExactCell, FRONT, PaperCell, Side, Sum};
+use hashcache_core::octree::{BACK, CellRecord, ExactCell, FRONT, PaperCell, Sample, Side, Sum};
 use hashcache_core::pack::half_to_f32;
 use proptest::prelude::*;
 
@@ -47,6 +47,14 @@ proptest! {
         prop_assert_eq!(sum.dither_half(random), bits);
     }
 
+    /// A sample gives back what it was made of.
+    #[test]
+    fn samples_come_back(place in prop::array::uniform3(0_u32..1 << 17), sums in prop::array::uniform3(0_u64..=1 << 34), normal: u32) {
+        let sample = Sample::new(place, sums, normal);
+        prop_assert!(sample.is_kept());
+        prop_assert_eq!((sample.place(), sample.sums(), sample.normal()), (place, sums, normal));
+    }
+
     /// Sides do not touch each other, nor normal and frame.
     #[test]
     fn sides_are_apart(bits in prop::array::uniform6(0_u32..0x7c00), counts: [u16; 2], normal: u32, wiped: u32, e in -90_i32..70) {
@@ -69,6 +77,13 @@ proptest! {
         prop_assert_eq!((paper.normal(), paper.wiped()), (normal, wiped));
         prop_assert_eq!((exact.normal(), exact.wiped()), (normal, wiped));
     }
+}
+
+#[test]
+fn samples_are_as_documented() {
+    let sample = Sample::new([5, 1, 0], [(1 << 32) + 7, 0, 0], 9);
+    assert_eq!(bytemuck::cast::<_, [u32; 6]>(sample), [7, 0, 0, 0x0002_0005, 0x1008_0000, 9]);
+    assert!(!<Sample as bytemuck::Zeroable>::zeroed().is_kept());
 }
 
 /// The example of the documentation, and what lies beyond the range.

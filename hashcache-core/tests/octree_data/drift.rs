@@ -73,8 +73,12 @@ fn paper_cells_drift_as_documented() {
         let rms = |of: &dyn Fn(u32) -> f64| ((0..16).map(|seed| of(seed).powi(2)).sum::<f64>() / 16.0).sqrt();
         let paper = rms(&|seed| drift::<PaperCell>(frames, seed, |_| 4)[0]);
         let plain = rms(&|seed| nearest(frames, seed, 4));
-        let exact = if frames > 4096 { f64::NAN } else { rms(&|seed| drift::<ExactCell>(frames, seed, |_| 4)[0]) };
-        println!("| {frames} | {:.3} % | {:.3} % | {:.5} % |", 100.0 * paper, 100.0 * plain, 100.0 * exact);
+        print!("| {frames} | {:.3} % | {:.3} % |", 100.0 * paper, 100.0 * plain);
+        // Slow, and known by another test.
+        if frames <= 4096 {
+            print!(" {:.5} % |", 100.0 * rms(&|seed| drift::<ExactCell>(frames, seed, |_| 4)[0]));
+        }
+        println!();
         assert!(paper < bound, "{frames} frames: {paper}");
     }
 }

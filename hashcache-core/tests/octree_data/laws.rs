@@ -1,18 +1,18 @@
 //! Energy, order, extremes, wipes.
 
+use bytemuck::Zeroable;
 use hashcache_core::counters::Counters;
 use hashcache_core::exact::{Quantum, mean, quantize};
 use hashcache_core::glam::Vec3;
 use hashcache_core::octree::{
-    CellRecord, ExactCell, Light, Octree, OctreeCache, OctreeParams, OctreeSettings, PaperCell, Pending, ReadCells,
-    Sample, SharedCells, deposit_samples, merge_entries, sample_vertices,
+    COUNTER_WORDS, CellRecord, ExactCell, Light, OctreeCache, OctreeSettings, PaperCell, ReadCells, Sample,
+    SharedCells, add_counters, merge_samples, read_counters, sample_key, sample_vertices,
 };
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::RadianceCache;
 use std::sync::atomic::AtomicU32;
-use std::sync::atomic::Ordering::Relaxed;
 
-use super::room::{Noise, QUADS, lit, octree, params, plain, vertex};
+use super::room::{Noise, QUADS, lit, octree, params, plain, record_all, vertex};
 
 fn cache<C: CellRecord>(settings: &OctreeSettings, resolution: u32) -> OctreeCache<C> {
     OctreeCache::new(octree(&QUADS, resolution), params(settings))
@@ -60,6 +60,25 @@ fn every_level_holds_all_light() {
     assert_eq!(octree.level_range(octree.grid().levels - 1).len(), 1, "the root");
 }
 
+/// The same where coordinates take more bits than a key has: every level counts every sample once.
+#[test]
+fn fine_cells_are_told_apart() {
+    let corner = [Vec3::ZERO, Vec3::X * 0.02, Vec3::Y * 0.02];
+    let quads = [corner, corner.map(|v| v + Vec3::ONE * (f32::from(u8::from(v == Vec3::ZERO))))];
+    for resolution in [512, 1024, 4096] {
+        let mut cache = OctreeCache::<ExactCell>::new(octree(&quads, resolution), params(&plain()));
+        let mut noise = Noise(8);
+        let frame: Vec<_> = (0..4000).map(|_| vertex(&mut noise, &quads)).collect();
+        record_all(&mut cache, &frame);
+        cache.end_frame();
+        let octree = cache.octree().view();
+        for level in 0..octree.grid().levels {
+            let count: u32 = octree.level_range(level).flat_map(|index| cache.cell(index).counts).sum();
+            assert_eq!(count, 4000, "level {level} of {resolution}");
+        }
+    }
+}
+
 #[test]
 fn the_order_of_vertices_does_not_matter() {
     let settings = OctreeSettings { quantum: Quantum::for_scale(8.0), ..plain() };
@@ -68,13 +87,15 @@ fn the_order_of_vertices_does_not_matter() {
     let run = |frames: &[Vec<VertexRecord>]| {
         let mut cache = cache::<PaperCell>(&settings, 32);
         for frame in frames {
-            frame.iter().for_each(|vertex| cache.record(vertex));
+            record_all(&mut cache, frame);
             cache.end_frame();
         }
         (cells(&cache), cache.counters())
     };
     let forwards = run(&frames);
-    frames.iter_mut().for_each(|frame| frame.reverse());
+    for frame in &mut frames {
+        frame.reverse();
+    }
     assert!(run(&frames) == forwards, "backwards");
     for frame in &mut frames {
         for i in (1..frame.len()).rev() {
@@ -170,7 +191,7 @@ fn any_magnitude_comes_back() {
 fn steady_light_stays() {
     let mut cache = cache::<ExactCell>(&plain(), 8);
     for frame in 0..1000 {
-        for _ in 0..1 + frame % 7 {
+        for _ in 0..=frame % 7 {
             cache.record(&lit(0.731));
         }
         cache.end_frame();
@@ -237,81 +258,45 @@ fn wiped_light_is_never_seen() {
     }
 }
 
-fn samples(octree: &Octree<'_>, params: &OctreeParams, all: &[VertexRecord], counters: &mut Counters) -> Vec<Sample> {
-    let mut samples = Vec::new();
-    sample_vertices(octree.grid(), params, all, counters, |_, _, sample| samples.push(sample));
-    samples
-}
-
-/// Between frames all storage but the counters is zero, whatever threads did.
+/// Any number of threads may merge parts of the samples, levels in any order: the same cells come of it.
 #[test]
-fn a_frame_leaves_nothing_behind() {
+fn threads_may_share_the_samples() {
     let owned = octree(&QUADS, 32);
     let octree = owned.view();
-    let params: OctreeParams = params(&plain());
-    let zeroed = |n: u64| (0..n).map(|_| AtomicU32::new(0)).collect::<Vec<_>>();
+    let params = params(&plain());
     let mut noise = Noise(6);
     let vertices: Vec<_> = (0..2000).map(|_| vertex(&mut noise, &QUADS)).collect();
-    let [marks, lists] = Pending::words(octree.cells(), 2000).map(zeroed);
+    let mut cache = OctreeCache::<ExactCell>::new(owned.clone(), params);
+    record_all(&mut cache, &vertices);
+    cache.end_frame();
+
+    let mut counters = Counters::default();
+    let mut samples = Vec::new();
+    sample_vertices(octree.grid(), &params, &vertices, &mut counters, |_, sample| samples.push(sample));
+    samples.reverse();
+    samples.sort_by_key(|sample| sample_key(octree.grid(), sample, 0));
+    samples.extend([Sample::zeroed(); 3]);
     let words: Vec<_> = owned
         .normals
         .iter()
         .flat_map(|normal| bytemuck::cast::<_, [u32; 10]>(ExactCell::empty(*normal, 0)).map(AtomicU32::new))
         .collect();
     let cells = SharedCells::<ExactCell>::new(&words);
-    let pending = Pending::new(&marks, &lists, octree.cells()).expect("enough storage");
-    let mut counters = Counters::default();
-    let all = samples(&octree, &params, &vertices, &mut counters);
-    pending.add_counters(&counters);
+    let shared = [const { AtomicU32::new(0) }; COUNTER_WORDS];
     std::thread::scope(|scope| {
-        for part in all.chunks(700) {
-            scope.spawn(move || {
-                let mut counters = Counters::default();
-                assert!(!deposit_samples(&octree, &cells, &pending, part, &mut counters));
-                pending.add_counters(&counters);
-            });
+        for level in (0..octree.grid().levels).rev() {
+            for part in [0..333, 333..334, 334..1500, 1500..9000] {
+                let (samples, shared) = (&samples, &shared);
+                scope.spawn(move || {
+                    let mut counters = Counters::default();
+                    merge_samples(&octree, &cells, &params, level, samples, part, &mut counters);
+                    add_counters(shared, &counters);
+                });
+            }
         }
     });
-    for level in 0..=octree.grid().levels {
-        std::thread::scope(|scope| {
-            for part in [0..333, 333..1500, 1500..2000] {
-                scope.spawn(move || merge_entries(&octree, &cells, &pending, &params, level, part));
-            }
-        });
-    }
-    assert_eq!(pending.counters().deposits, 2000);
-    let [first, count] = Pending::counter_words();
-    for (i, mark) in marks.iter().enumerate() {
-        assert!((first..first + count).contains(&i) || mark.load(Relaxed) == 0, "mark {i}");
-    }
-    let lines = 16 * 2 * 2000;
-    assert!(lists[..lines].iter().all(|word| word.load(Relaxed) == 0));
-
-    let mut cache = OctreeCache::<ExactCell>::new(owned.clone(), params);
-    vertices.iter().for_each(|vertex| cache.record(vertex));
-    cache.end_frame();
     for index in 0..octree.cells() {
         assert_eq!(cells.get(index), cache.cell(index), "cell {index}");
     }
-}
-
-/// More vertices than there is room for are refused, not lost unseen.
-#[test]
-fn without_room_vertices_are_refused() {
-    let owned = octree(&QUADS, 32);
-    let octree = owned.view();
-    let params = params(&plain());
-    let zeroed = |n: u64| (0..n).map(|_| AtomicU32::new(0)).collect::<Vec<_>>();
-    let [marks, lists] = Pending::words(octree.cells(), 10).map(zeroed);
-    let pending = Pending::new(&marks, &lists, octree.cells()).expect("enough storage");
-    let mut noise = Noise(7);
-    let vertices: Vec<_> = (0..500).map(|_| vertex(&mut noise, &QUADS)).collect();
-    let cells: Vec<_> = owned.normals.iter().map(|normal| ExactCell::empty(*normal, 0)).collect();
-    let mut counters = Counters::default();
-    let all = samples(&octree, &params, &vertices, &mut counters);
-    assert!(deposit_samples(&octree, cells.as_slice(), &pending, &all, &mut counters));
-    assert!(counters.refusals >= 480 && counters.refusals < 500, "{counters:?}");
-    assert_eq!(counters.balance(), 0);
-    assert!(Pending::new(&marks[1..], &lists, octree.cells()).is_err());
-    assert!(Pending::new(&marks, &lists[..35], octree.cells()).is_err());
+    assert_eq!(read_counters(&shared).merge(&counters), cache.counters());
 }

@@ -6,7 +6,7 @@ use hashcache_core::pack::octahedral_encode;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::RadianceCache;
 
-use super::room::{Noise, QUADS, lit, octree, params, plain, vertex};
+use super::room::{Noise, QUADS, lit, octree, params, plain, record_all, vertex};
 
 /// A cache whose cells answer with their level on red, and x + 1000·y of their coordinates on green and blue.
 fn labelled(settings: &OctreeSettings, resolution: u32) -> OctreeCache {
@@ -110,8 +110,8 @@ fn jitter_makes_no_holes() {
     let settings = OctreeSettings { jitter: 4.0, ..plain() };
     let mut cache = OctreeCache::<ExactCell>::new(octree(&quads, 16), params(&settings));
     let mut noise = Noise(3);
-    let frame: Vec<_> = (0..20_000).map(|_| VertexRecord { ..vertex(&mut noise, &quads) }).collect();
-    frame.iter().for_each(|vertex| cache.record(vertex));
+    let frame: Vec<_> = (0..20_000).map(|_| vertex(&mut noise, &quads)).collect();
+    record_all(&mut cache, &frame);
     cache.end_frame();
     assert!(frame.iter().all(|vertex| cache.estimate(vertex).samples > 0));
     assert_eq!(cache.counters().fallbacks, 0);

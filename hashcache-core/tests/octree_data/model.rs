@@ -49,23 +49,19 @@ impl<'a> Model<'a> {
         self.octree.coordinates(Vec3::from_slice(&vertex.position_footprint[..3]))
     }
 
-    /// Each sample goes up the levels by itself; which side it is on is decided at each step.
     fn record(&mut self, vertex: &VertexRecord) {
         if !vertex.is_recordable() {
             return;
         }
         let Some(place) = self.place(vertex) else { return };
-        // The sample is on the front of this normal, or behind it.
-        let (mut normal, mut behind) = (vertex.normal(), 0);
         for level in 0..self.octree.grid().levels {
-            let Some((own, sides)) = self.cells.get_mut(&(level, place.map(|c| c >> level))) else { continue };
-            let at = side(*own, normal) ^ behind;
+            let Some((normal, sides)) = self.cells.get_mut(&(level, place.map(|c| c >> level))) else { continue };
+            let at = side(*normal, vertex.normal());
             for (sum, c) in sides[at].sum.iter_mut().zip(0..3) {
                 let direct = if self.settings.light == Light::All { vertex.direct[c] } else { 0.0 };
                 *sum += f64::from(direct) + f64::from(vertex.further[c]);
             }
             sides[at].count += 1;
-            (normal, behind) = (*own, at);
         }
     }
 

@@ -6,6 +6,7 @@ use hashcache_core::hash::{pcg, to_unit_f32};
 use hashcache_core::octree::{BuildSettings, OctreeParams, OctreeSettings, OwnedOctree, Serial, build};
 use hashcache_core::pack::octahedral_encode;
 use hashcache_core::record::VertexRecord;
+use hashcache_core::traits::RadianceCache;
 
 /// Numbers that look random, the same in every run.
 pub struct Noise(pub u32);
@@ -95,4 +96,11 @@ pub fn plain() -> OctreeSettings {
 
 pub fn params(settings: &OctreeSettings) -> OctreeParams {
     OctreeParams::new(settings).expect("valid settings")
+}
+
+/// Records vertices, in order.
+pub fn record_all<'a>(cache: &mut impl RadianceCache, vertices: impl IntoIterator<Item = &'a VertexRecord>) {
+    for vertex in vertices {
+        cache.record(vertex);
+    }
 }
