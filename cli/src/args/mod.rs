@@ -87,7 +87,6 @@ pub struct Fly {
 /// The kind of file of a move's frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FrameFormat {
-    #[value(help = None::<&str>)]
     Exr,
     Hdr,
     Png,
