@@ -5,5 +5,5 @@ mod core;
 mod grid;
 mod keys;
 mod octree;
-mod octree;
+mod octree_data;
 mod sampler;
