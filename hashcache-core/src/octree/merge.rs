@@ -113,17 +113,20 @@ fn merge_run<C: CellRecord>(cell: &mut C, params: &OctreeParams, index: u32, run
     if cell.wiped() != params.wiped() {
         *cell = C::empty(cell.normal(), params.wiped());
     }
-    let mut sums = [[0_u64; 3]; 2];
-    let mut counts = [0; 2];
     let normal = octahedral_decode_int(cell.normal());
+    // All of them, and those behind: sums in registers, without a branch on a side that is random.
+    let (mut all, mut behind, mut back) = ([0_u64; 3], [0_u64; 3], 0);
     for sample in run {
-        let side = side_of(normal, sample.normal());
-        let [r, g, b] = sample.sums();
-        sums[side][0] += r;
-        sums[side][1] += g;
-        sums[side][2] += b;
-        counts[side] += 1;
+        let side = side_of(normal, sample.normal()) as u64;
+        let sums = sample.sums();
+        for c in 0..3 {
+            all[c] += sums[c];
+            behind[c] += sums[c] & side.wrapping_neg();
+        }
+        back += side;
     }
+    let sums = [[0, 1, 2].map(|c| all[c] - behind[c]), behind];
+    let counts = [run.len() as u32 - back as u32, back as u32];
     for side in [FRONT, BACK] {
         if counts[side] > 0 {
             merge_side(cell, params, side, sums[side], counts[side], [params.seed(), index * 2 + side as u32]);

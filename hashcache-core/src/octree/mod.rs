@@ -7,7 +7,7 @@
 //! What belongs to cells stands in plain arrays.
 //!
 //! # Structure
-//! Cells come in [blocks](block) of 4×4×2, one bit each. A block is one entry of a [table](table): its key, its 32 bits,
+//! Cells come in [blocks](block) of 4×4×2, one bit each. A block is one entry of a [table]: its key, its 32 bits,
 //! and the index of its first cell; the index of a cell is that base plus the number of bits below its own. A table a
 //! level (several beyond a resolution of 4096), two buckets of four entries a key, nine entries of ten in use: a lookup
 //! reads two buckets, whatever it asks for, and says "no cell" with certainty.
