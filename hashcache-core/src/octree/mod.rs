@@ -82,6 +82,7 @@ pub mod kernels;
 mod mark;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod normals;
+#[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod overlap;
 #[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 mod owned;
@@ -104,6 +105,7 @@ pub use lookup::{SALT_LOOKUP, estimate_vertices};
 #[cfg(target_has_atomic = "64")]
 pub use mark::{Added, Full, MAX_PROBES, Marks};
 pub use merge::{MAX_SAMPLES, merge_samples};
+#[cfg(all(feature = "alloc", target_has_atomic = "64"))]
 pub use overlap::Window;
 pub use params::{JITTER_BITS, Light, OctreeParams, OctreeSettings};
 pub use sample::{NO_SAMPLE, Sample, sample_key, sample_keys, sample_vertices};

@@ -27,8 +27,13 @@ pub(super) enum Cache {
 }
 
 impl Cache {
-    /// Makes and clears it.
-    pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview, resident: &Resident) -> Result<Self, Error> {
+    /// Makes and clears it, for passes of so many records.
+    pub fn new<B: CastsRays>(
+        backend: &mut B,
+        preview: &Preview,
+        resident: &Resident,
+        records: u32,
+    ) -> Result<Self, Error> {
         let (settings, camera) = (preview.settings(), preview.camera());
         let mut cache = match settings.cache {
             CacheKind::Grid => {
@@ -50,7 +55,11 @@ impl Cache {
         match &mut cache {
             Self::None => {}
             Self::Grid(grid) => grid.prepare(backend)?,
-            Self::Octree(octree) => octree.prepare(backend)?,
+            Self::Octree(octree) => {
+                // One pass's records, so that no frame is merged in parts.
+                octree.reserve(backend, records.min(OctreeStages::most_records(backend)))?;
+                octree.prepare(backend)?;
+            }
         }
         backend.submit()?;
         Ok(cache)

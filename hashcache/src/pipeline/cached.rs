@@ -47,7 +47,6 @@ struct Batch {
 impl Cached {
     pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview, resident: &Resident) -> Result<Self, Error> {
         let (settings, camera) = (preview.settings(), preview.camera());
-        let cache = Cache::new(backend, preview, resident)?;
         let of_filter = |error| Error::refused("filter", error);
         let filter = filter::settings(settings, camera, preview.radius(), settings.direct).map_err(of_filter)?;
         let mut filter = FilterStages::new(&filter).map_err(of_filter)?;
@@ -58,6 +57,7 @@ impl Cached {
         let paths = [scaled(camera.width), scaled(camera.height)];
         let store = settings.store;
         let (total, at_once) = (paths[0].saturating_mul(paths[1]), BATCH / store);
+        let cache = Cache::new(backend, preview, resident, total.saturating_mul(store))?;
         let mut batches: Vec<Batch> = Vec::new();
         let retained = reuses_paths(settings);
         for first in (0..total).step_by(at_once as usize) {
