@@ -29,17 +29,13 @@ pub(crate) fn structure(preview: &Preview, median_footprint: f32) -> Result<Owne
     let geometry = preview.geometry();
     let workers = Threads::of(settings);
     let cell_bytes = layout(settings).cell_bytes();
-    match settings.octree_resolution {
-        Some(resolution) => {
-            build(&geometry, &BuildSettings { resolution, cell_bytes, max_bytes: MOST_BYTES }, &workers)
-        }
-        None => {
-            let triangles = Triangles::new(&geometry)?;
-            let resolution = resolution_for_footprint(&triangles, median_footprint * settings.octree_cell)?;
-            let max_bytes = u64::from(settings.octree_memory) << 20;
-            build_within(&geometry, &BuildSettings { resolution, cell_bytes, max_bytes }, &workers)
-        }
+    if let Some(resolution) = settings.octree_resolution {
+        return build(&geometry, &BuildSettings { resolution, cell_bytes, max_bytes: MOST_BYTES }, &workers);
     }
+    let triangles = Triangles::new(&geometry)?;
+    let resolution = resolution_for_footprint(&triangles, median_footprint * settings.octree_cell)?;
+    let max_bytes = u64::from(settings.octree_memory) << 20;
+    build_within(&geometry, &BuildSettings { resolution, cell_bytes, max_bytes }, &workers)
 }
 
 /// The layout of the cells.

@@ -129,10 +129,10 @@ proptest! {
     /// The curve has no corner: speeds to both sides of a key agree.
     #[test]
     fn motion_is_smooth(mut keys in prop::collection::vec(key(), 3..6)) {
+        const PARTS: u32 = 4096;
         for (i, key) in keys.iter_mut().enumerate() {
             key.time = i as f64;
         }
-        const PARTS: u32 = 4096;
         let frames = (keys.len() as u32 - 1) * PARTS + 1;
         let Some(path) = path(&keys, frames) else { return Ok(()) };
         let place = |i: u32| path.frame(i).unwrap().0.position;
@@ -159,7 +159,7 @@ fn with_keys(keys: &[String], frames: &str) -> String {
 
 #[test]
 fn broken_files_are_refused_in_one_line() {
-    let key = |time: &str| KEY.replace("@", time);
+    let key = |time: &str| KEY.replace('@', time);
     let good = key("0");
     let pair = |second: String| with_keys(&[good.clone(), second], "2");
     let cases = [
@@ -167,11 +167,11 @@ fn broken_files_are_refused_in_one_line() {
         ("{}".into(), "missing field `keys`"),
         ("[1,2".into(), "not a camera path"),
         (with_keys(&[], "1"), "/keys: there is no key"),
-        (with_keys(&[good.clone()], "0"), "/frames: 0 is not"),
-        (with_keys(&[good.clone()], "1000001"), "/frames: 1000001 is not"),
-        (with_keys(&[good.clone()], "-1"), "not a camera path"),
-        (with_keys(&[good.clone()], "1.5"), "not a camera path"),
-        (with_keys(&[good.clone()], "1e99"), "not a camera path"),
+        (with_keys(std::slice::from_ref(&good), "0"), "/frames: 0 is not"),
+        (with_keys(std::slice::from_ref(&good), "1000001"), "/frames: 1000001 is not"),
+        (with_keys(std::slice::from_ref(&good), "-1"), "not a camera path"),
+        (with_keys(std::slice::from_ref(&good), "1.5"), "not a camera path"),
+        (with_keys(std::slice::from_ref(&good), "1e99"), "not a camera path"),
         (with_keys(&[good.replace("\"up\"", "\"upp\"")], "1"), "unknown field `upp`"),
         (with_keys(&[good.replace("\"up\":[0,1,0],", "")], "1"), "missing field `up`"),
         (with_keys(&[good.replace("[0,1,0]", "[0,1]")], "1"), "not a camera path"),
@@ -231,18 +231,18 @@ fn numbers_that_are_not_finite_are_refused() {
 
 #[test]
 fn one_key_stands_and_two_make_a_line() {
-    let (_dir, file) = written(&with_keys(&[KEY.replace("@", "3")], "4"));
+    let (_dir, file) = written(&with_keys(&[KEY.replace('@', "3")], "4"));
     let still = CameraPath::from_file(&file).unwrap();
     assert_eq!((still.frames(), still.keys().len()), (4, 1));
     assert!((0..4).all(|i| still.frame(i) == still.frame(0) && still.time(i) == 3.0));
-    let second = KEY.replace("@", "2").replace("[0,1,5]", "[4,1,5]").replace("45}", "45,\"light\":3}");
-    let (_dir, file) = written(&with_keys(&[KEY.replace("@", "0"), second], "5"));
+    let second = KEY.replace('@', "2").replace("[0,1,5]", "[4,1,5]").replace("45}", "45,\"light\":3}");
+    let (_dir, file) = written(&with_keys(&[KEY.replace('@', "0"), second], "5"));
     let line = CameraPath::from_file(&file).unwrap();
     for i in 0..5_u32 {
         let (view, light) = line.frame(i).unwrap();
         assert_eq!((view.position.x, light, line.time(i)), (f64::from(i), 1.0 + 0.5 * i as f32, 0.5 * f64::from(i)));
     }
-    let (_dir, file) = written(&with_keys(&[KEY.replace("@", "0"), KEY.replace("@", "1")], "1"));
+    let (_dir, file) = written(&with_keys(&[KEY.replace('@', "0"), KEY.replace('@', "1")], "1"));
     assert_eq!(CameraPath::from_file(&file).unwrap().time(0), 0.0);
 }
 

@@ -28,7 +28,10 @@ pub fn run(checks: &mut Checks) {
     let estimate = Estimate { direct: Vec3::ZERO, further: Vec3::splat(0.5), samples: 8 };
     let vertices: [VertexRecord; 4] = grid::vertices();
     let fine = vertices.iter().all(|vertex| pixel.add(&params, vertex, &estimate));
-    checks.that("LayerPixel::add", fine && pixel.counts == [4, 4, 0, 0] && pixel.further_light()[0] == 0.5);
+    checks.that(
+        "LayerPixel::add",
+        fine && pixel.counts == [4, 4, 0, 0] && pixel.further_light()[0].to_bits() == 0.5_f32.to_bits(),
+    );
     let guides = [PreparedGuide::of_pixel(&scale, &pixel); PIXELS];
     let Some(view) = View::new(WIDTH, HEIGHT, &guides) else { return checks.that("View::new", false) };
 
@@ -42,7 +45,10 @@ pub fn run(checks: &mut Checks) {
         filter(atrous, &view, &mut image, &mut scratch);
         layers(checks, atrous, &scale);
     }
-    checks.that("filter", bilateral.is_ok() && image.map(|light| light[0]) == before.map(|light| light[0]));
+    checks.that(
+        "filter",
+        bilateral.is_ok() && image.map(|light| light[0].to_bits()) == before.map(|light| light[0].to_bits()),
+    );
 }
 
 fn layers(checks: &mut Checks, denoiser: &ATrous, scale: &GuideScale) {

@@ -38,10 +38,10 @@ impl Cache {
         let mut cache = match settings.cache {
             CacheKind::Grid => {
                 let cache = grid::stages(settings, camera, 2.0 * preview.radius(), preview.max_radiance());
-                Self::Grid(cache.map_err(|error| Error::refused("cache grid", error))?)
+                Self::Grid(cache.map_err(|error| Error::refused("cache grid", &error))?)
             }
             CacheKind::Octree => {
-                let refused = |reason: &dyn ToString| Error::refused("cache octree", reason.to_string());
+                let refused = |reason: &dyn ToString| Error::refused("cache octree", reason);
                 let footprint = match settings.octree_resolution {
                     None => look::median_footprint(backend, camera, resident)?,
                     Some(_) => 0.0,
@@ -72,7 +72,7 @@ impl Cache {
             Self::None | Self::Octree(_) => {}
             Self::Grid(cache) => {
                 let params = grid::params(preview.settings(), camera, 2.0 * preview.radius(), preview.max_radiance());
-                cache.set_params(params.map_err(|error| Error::refused("cache grid", error))?);
+                cache.set_params(params.map_err(|error| Error::refused("cache grid", &error))?);
             }
         }
         Ok(())

@@ -47,7 +47,7 @@ struct Batch {
 impl Cached {
     pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview, resident: &Resident) -> Result<Self, Error> {
         let (settings, camera) = (preview.settings(), preview.camera());
-        let of_filter = |error| Error::refused("filter", error);
+        let of_filter = |error| Error::refused("filter", &error);
         let filter = filter::settings(settings, camera, preview.radius(), settings.direct).map_err(of_filter)?;
         let mut filter = FilterStages::new(&filter).map_err(of_filter)?;
         filter.prepare(backend)?;
@@ -89,7 +89,7 @@ impl Cached {
         if moved {
             self.cache.look_from(preview, pass.camera)?;
             let angle = CameraRays::new(pass.camera).pixel_angle();
-            self.filter.set_pixel_angle(angle).map_err(|error| Error::refused("filter", error))?;
+            self.filter.set_pixel_angle(angle).map_err(|error| Error::refused("filter", &error))?;
             work.stage(backend, "reconstruct", |backend| self.filter.clear(backend))?;
         }
         let spp = pass.settings.spp;
@@ -114,7 +114,7 @@ impl Cached {
         let gathered = if moved { shown } else { self.gathered.saturating_add(shown) };
         self.gathered = gathered;
         let (further, direct) =
-            filter::filters(pass.settings, pass.camera, gathered).map_err(|error| Error::refused("filter", error))?;
+            filter::filters(pass.settings, pass.camera, gathered).map_err(|error| Error::refused("filter", &error))?;
         self.filter.set_filters(further, direct);
         work.stage(backend, "filter", |backend| self.filter.filter(backend))?;
         let radiance = self.filter.radiance().ok_or(backend_api::Error::UnknownBuffer { at: "lf.radiance" })?;

@@ -45,7 +45,7 @@ impl From<BackendError> for Error {
 
 impl Error {
     /// A part's refusal of its parameters.
-    pub fn refused(what: &'static str, error: impl ToString) -> Self {
+    pub fn refused(what: &'static str, error: &dyn ToString) -> Self {
         Self::Refused { what, reason: error.to_string() }
     }
 
@@ -120,7 +120,7 @@ impl Pipeline {
                     backend.primitive(Primitive::Fill { buffer: self.film.buffer, word: 0 })
                 })?;
             }
-            self.camera = Some(camera.clone());
+            self.camera = Some(*camera);
         }
         let before = self.resident.ray_counts(backend)?;
         let pass = Pass { resident: self.resident, film: self.film, camera, settings: preview.settings() };

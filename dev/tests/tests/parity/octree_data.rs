@@ -148,7 +148,9 @@ fn batches_and_order_do_not_matter() {
     let whole = run(&mut CpuBackend::serial(), &Case { batch: 20_000, ..case }, &frames, 20_000);
     assert!(cut.cells == whole.cells && cut.estimates == whole.estimates);
     assert_eq!(cut.counters, whole.counters);
-    frames.iter_mut().for_each(|frame| frame.reverse());
+    for frame in &mut frames {
+        frame.reverse();
+    }
     let case = Case { batch: 20_000, ..self::case(Layout::Exact) };
     let backwards = run(&mut CpuBackend::serial(), &case, &frames, 20_000);
     assert!(cut.cells == backwards.cells && cut.counters == backwards.counters);
@@ -178,7 +180,9 @@ fn the_owned_cache_is_the_same() {
     let mut cache = OctreeCache::<ExactCell>::new(Arc::clone(&case.octree), case.params);
     let mut estimates = Vec::new();
     for frame in &frames {
-        frame.iter().for_each(|vertex| cache.record(vertex));
+        for vertex in frame {
+            cache.record(vertex);
+        }
         cache.end_frame();
         for vertex in frame {
             let estimate = cache.estimate(vertex);
