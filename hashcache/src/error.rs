@@ -49,7 +49,9 @@ pub enum Error {
         wanted: (u32, u32),
     },
     /// The frame needs more memory than there is.
-    #[error("{what} needs {bytes} bytes, more than can be had; choose a smaller --size or grid.slots")]
+    #[error(
+        "{what} needs {bytes} bytes, more than can be had; choose a smaller --size, octree.resolution or grid.slots"
+    )]
     OutOfMemory {
         /// What needs it.
         what: &'static str,

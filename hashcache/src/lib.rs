@@ -15,23 +15,26 @@
 //! - [`Needs`]: what a scene requires. [`FramePlan`]: needs and settings as stages in order, each with its reason.
 //! - [`Preview`]: a loaded scene with its plan. [`Preview::render`] runs it on the launcher that the settings name,
 //!   [`Preview::render_on`] on any backend that casts rays.
+//! - [`Session`]: frames that share the scene's buffers, the cache and, while the camera rests, the pixels' sums.
 //! - [`Stats`]: what it took, in the JSON form that scripts rely on.
 //!
 //! # Features
 //! `cpu` (default): the serial and rayon launchers. Without it, bring a backend.
 //!
 //! # Memory
-//! Beside the scene: 32 bytes a pixel of film, 16 of radiance; with the grid 96 of records, 32 of estimates (for the
-//! largest batch) and 64 a slot of the table, by default one slot a pixel rounded up to a power of two. 512×512: 59 MB.
+//! Beside the scene, a pixel: 32 bytes of film; with a cache or a filter 96 of records, 96 of vertices that are only looked at
+//! (both for the largest batch of 2¹⁹), 32 of estimates and about 270 of sums, guides and light. The octree: 46 bytes a cell,
+//! 1 GiB at most by default, and 56 a path of an open frame; the grid: 64 a slot, by default one slot a pixel rounded up to
+//! a power of two. [`Stats`] has the figures of a run.
 //!
 //! # Determinism
 //! Same scene, settings and seed: the same bits, for any number of threads and either launcher.
 //!
 //! # Limits today
-//! One still picture; Lambertian surfaces; the grid at the first vertex; no filter.
+//! Lambertian surfaces, so the filter has one layer; the grid keeps all cells of a move until it is full.
 //!
 //! # Sources
-//! Binder et al. 2021 (path space filtering in a hash table).
+//! Roth et al. 2020 (octree, reconstruction, layered filter); Binder et al. 2021 (path space filtering in a hash table).
 #![forbid(unsafe_code)]
 
 pub mod choice;

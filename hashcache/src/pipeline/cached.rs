@@ -56,7 +56,8 @@ impl Cached {
         let scaled = |side: u32| ((f64::from(side) * f64::from(settings.crf)).round() as u32).max(1);
         let paths = [scaled(camera.width), scaled(camera.height)];
         let store = settings.store;
-        let (total, at_once) = (paths[0].saturating_mul(paths[1]), BATCH / store);
+        // Even, so that pixels' sums of a batch begin at a multiple of 256 bytes.
+        let (total, at_once) = (paths[0].saturating_mul(paths[1]), (BATCH / store) & !1);
         let cache = Cache::new(backend, preview, resident, total.saturating_mul(store))?;
         let mut batches: Vec<Batch> = Vec::new();
         let retained = reuses_paths(settings);
