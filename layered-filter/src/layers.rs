@@ -49,17 +49,7 @@ pub fn compose_layers<D: Denoiser + ?Sized>(
     scratch: &mut Scratch<'_>,
     radiance: &mut [Light],
 ) -> u32 {
-    let mut empty = 0;
-    scratch.carried.fill([0.0; 4]);
-    for (i, layer) in layers.iter().enumerate().rev() {
-        let view = View::new(width, height, layer.guides).expect("as many guides as pixels");
-        empty += gather_layer(weights, &view, layer, scratch);
-        filter(denoiser, &view, scratch.filtered, scratch.pass);
-        let front = i.checked_sub(1).map(|front| layers[front].records);
-        carry(layer.records, front, scratch.filtered, scratch.carried);
-    }
-    radiance.copy_from_slice(scratch.carried);
-    empty
+    compose(denoiser, weights, [width, height], layers, scratch, radiance, layers.len())
 }
 
 /// The same light without a look behind the first vertex: layers are carried forward unfiltered, and the filter runs once,
@@ -75,12 +65,25 @@ pub fn compose_screen<D: Denoiser + ?Sized>(
     scratch: &mut Scratch<'_>,
     radiance: &mut [Light],
 ) -> u32 {
+    compose(denoiser, weights, [width, height], layers, scratch, radiance, 1)
+}
+
+/// Carries all layers forward; the front `filtered` of them are filtered on the way.
+fn compose<D: Denoiser + ?Sized>(
+    denoiser: &D,
+    weights: &Weights,
+    [width, height]: [u32; 2],
+    layers: &[Layer<'_>],
+    scratch: &mut Scratch<'_>,
+    radiance: &mut [Light],
+    filtered: usize,
+) -> u32 {
     let mut empty = 0;
     scratch.carried.fill([0.0; 4]);
     for (i, layer) in layers.iter().enumerate().rev() {
         let view = View::new(width, height, layer.guides).expect("as many guides as pixels");
         empty += gather_layer(weights, &view, layer, scratch);
-        if i == 0 {
+        if i < filtered {
             filter(denoiser, &view, scratch.filtered, scratch.pass);
         }
         let front = i.checked_sub(1).map(|front| layers[front].records);

@@ -129,9 +129,9 @@ fn apply(settings: &mut Settings, axes: &[Axis], index: &[usize]) -> Vec<Option<
     let mut values = vec![None; axes.len()];
     // What decides whether others have an effect comes first.
     let rank = |key: &str| if key.starts_with("cache.") { 1 } else { 2 * usize::from(key.contains('.')) };
-    for now in 0..3 {
+    for turn in 0..3 {
         for ((axis, &i), value) in axes.iter().zip(index).zip(&mut values) {
-            let takes_part = rank(&axis.key) == now && has_effect(&axis.key, settings);
+            let takes_part = rank(&axis.key) == turn && has_effect(&axis.key, settings);
             // The value was tried when the axis was made.
             if takes_part && settings.set(&axis.key, &axis.values[i]).is_ok() {
                 *value = Some(axis.values[i].clone());
