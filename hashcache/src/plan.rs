@@ -94,11 +94,11 @@ impl FramePlan {
                     "no filter: sums become radiance, pixels without light take their neighbours'".to_owned()
                 }
                 FilterKind::Layered => format!(
-                    "{denoiser} in {} passes over the light without albedo, in one layer: all surfaces are Lambertian",
+                    "{denoiser}, passes: {}, over the light without albedo, in one layer: all surfaces are Lambertian",
                     settings.filter_passes
                 ),
                 FilterKind::Screen => format!(
-                    "{denoiser} in {} passes over the light without albedo, by the surfaces seen",
+                    "{denoiser}, passes: {}, over the light without albedo, by the surfaces seen",
                     settings.filter_passes
                 ),
             },
