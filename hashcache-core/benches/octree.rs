@@ -65,6 +65,7 @@ impl Landscape {
             indices: &self.indices,
             meshes: &[Mesh { first_triangle: 0, triangle_count: self.indices.len() as u32 }],
             instances: &[Instance::identity(0)],
+            ..Geometry::default()
         };
         let settings = BuildSettings { resolution, max_bytes: u64::MAX, ..BuildSettings::default() };
         build(&geometry, &settings, &Serial).expect("a landscape")

@@ -86,6 +86,7 @@ pub mod level;
 pub mod octree;
 pub mod pack;
 pub mod record;
+pub mod texel;
 pub mod traits;
 
 #[cfg(feature = "kernels")]

@@ -214,6 +214,7 @@ impl Square {
             indices: &self.indices,
             meshes: &self.meshes,
             instances: &self.instances,
+            ..Geometry::default()
         }
     }
 }

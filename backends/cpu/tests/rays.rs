@@ -201,7 +201,7 @@ fn what_is_not_a_number_meets_nothing_and_stops_nothing() {
 
 #[test]
 fn nothing_to_meet_is_no_error() {
-    let empty = Geometry { positions: &[], indices: &[], meshes: &[], instances: &[] };
+    let empty = Geometry::default();
     let hollow = Geometry {
         meshes: &[Mesh { first_triangle: 0, triangle_count: 0 }],
         instances: &[Instance::identity(0); 3],
@@ -219,8 +219,13 @@ fn nothing_to_meet_is_no_error() {
 fn what_names_nothing_is_refused() {
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let whole = [Mesh { first_triangle: 0, triangle_count: 1 }];
-    let good =
-        Geometry { positions: &positions, indices: &[[0, 1, 2]], meshes: &whole, instances: &[Instance::identity(0)] };
+    let good = Geometry {
+        positions: &positions,
+        indices: &[[0, 1, 2]],
+        meshes: &whole,
+        instances: &[Instance::identity(0)],
+        ..Geometry::default()
+    };
     assert!(CpuScene::build(&good).is_ok());
     let long = [Mesh { first_triangle: u32::MAX, triangle_count: u32::MAX }];
     for bad in [

@@ -104,6 +104,7 @@ fn geometry(checks: &mut Checks) {
         indices: &[[0, 1, 2]],
         meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
         instances: &[Instance::identity(0)],
+        ..Geometry::default()
     };
     let corner = Vec3::from_array(black_box(&geometry).positions[1]);
     checks.that("Instance::point", geometry.instances[0].point(corner) == corner);

@@ -73,6 +73,7 @@ fn owned(checks: &mut Checks) {
         indices: &[[0, 1, 2]],
         meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
         instances: &[Instance::identity(0)],
+        ..Geometry::default()
     };
     let settings = BuildSettings { resolution: 64, ..BuildSettings::default() };
     let Ok(built) = build_within(&geometry, &settings, &Serial) else { return checks.that("octree::build", false) };

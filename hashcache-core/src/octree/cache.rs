@@ -36,6 +36,7 @@ use crate::traits::{Estimate, RadianceCache};
 ///     indices: &[[0, 2, 1]],
 ///     meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
 ///     instances: &[Instance::identity(0)],
+///     ..Geometry::default()
 /// };
 /// let octree = build(&floor, &BuildSettings { resolution: 16, ..BuildSettings::default() }, &Serial)?;
 /// let params = OctreeParams::new(&OctreeSettings { min_samples: 1, ..OctreeSettings::default() })?;

@@ -72,6 +72,7 @@ impl OwnedOctree {
 ///     indices: &[[0, 1, 2]],
 ///     meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
 ///     instances: &[Instance::identity(0)],
+///     ..Geometry::default()
 /// };
 /// let built = build(&geometry, &BuildSettings { resolution: 64, ..BuildSettings::default() }, &Serial)?;
 /// let octree = built.view();

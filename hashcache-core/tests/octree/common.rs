@@ -27,6 +27,7 @@ impl Scene {
             indices: &self.indices,
             meshes: &self.meshes,
             instances: &self.instances,
+            ..Geometry::default()
         }
     }
 

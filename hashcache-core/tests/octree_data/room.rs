@@ -53,6 +53,7 @@ pub fn octree(quads: &[[Vec3; 3]], resolution: u32) -> OwnedOctree {
         indices: &indices,
         meshes: &[Mesh { first_triangle: 0, triangle_count: count }],
         instances: &[Instance::identity(0)],
+        ..Geometry::default()
     };
     build(&geometry, &BuildSettings { resolution, ..BuildSettings::default() }, &Serial).expect("a scene")
 }

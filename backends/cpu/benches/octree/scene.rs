@@ -54,6 +54,7 @@ pub fn octree(quads: &[Quad], resolution: u32) -> OwnedOctree {
         indices: &indices,
         meshes: &[Mesh { first_triangle: 0, triangle_count: count }],
         instances: &[Instance::identity(0)],
+        ..Geometry::default()
     };
     build(&geometry, &BuildSettings { resolution, ..BuildSettings::default() }, &Serial).expect("the room of a bench")
 }

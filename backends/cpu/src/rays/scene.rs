@@ -40,6 +40,7 @@ use super::triangle::Nearest;
 ///     indices: &[[0, 1, 2]],
 ///     meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
 ///     instances: &[Instance::identity(0)],
+///     ..Geometry::default()
 /// })?;
 /// let origin = Vec3::new(0.25, 0.5, 3.0);
 /// let ray = Ray { origin, t_min: 0.0, direction: Vec3::NEG_Z, t_max: f32::INFINITY };
@@ -322,7 +323,13 @@ mod tests {
             instance.to_scene[1][0] = 0.3;
             instances.push(instance);
         }
-        let geometry = Geometry { positions: &positions, indices: &indices, meshes: &meshes, instances: &instances };
+        let geometry = Geometry {
+            positions: &positions,
+            indices: &indices,
+            meshes: &meshes,
+            instances: &instances,
+            ..Geometry::default()
+        };
         let fast = CpuScene::build(&geometry).unwrap();
         assert_eq!(fast.stats().references, 70);
         let mut slow = CpuScene::build(&geometry).unwrap();

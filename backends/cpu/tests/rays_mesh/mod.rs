@@ -62,6 +62,7 @@ impl Blob {
             indices: &self.indices,
             meshes: &self.meshes,
             instances: &self.instances,
+            ..Geometry::default()
         }
     }
 }

@@ -32,6 +32,7 @@ impl Soup {
             indices: &self.indices,
             meshes: &self.meshes,
             instances: &self.instances,
+            ..Geometry::default()
         }
     }
 

@@ -16,6 +16,7 @@ fn octree() -> OwnedOctree {
         indices: &[[0, 1, 2], [1, 2, 3], [0, 3, 4]],
         meshes: &[Mesh { first_triangle: 0, triangle_count: 3 }],
         instances: &[Instance::identity(0)],
+        ..Geometry::default()
     };
     build(&geometry, &BuildSettings { resolution: 16, ..BuildSettings::default() }, &Serial).expect("three triangles")
 }

@@ -27,6 +27,7 @@ fn room() -> Arc<OwnedOctree> {
         indices: &indices,
         meshes: &[Mesh { first_triangle: 0, triangle_count: 12 }],
         instances: &[Instance::identity(0)],
+        ..Geometry::default()
     };
     let settings = BuildSettings { resolution: 128, ..BuildSettings::default() };
     Arc::new(build(&geometry, &settings, &Serial).expect("a room"))

@@ -1,5 +1,11 @@
 //! Plain geometry, rays and hits.
 
+mod opacity;
+mod opacity_error;
+
+pub use opacity::{Opacity, OpacityMask};
+pub use opacity_error::OpacityError;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -74,7 +80,7 @@ impl Instance {
 }
 
 /// Triangle meshes and where they stand; everything a ray caster needs. Indices have been checked by whoever made it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Geometry<'a> {
     /// Vertex positions, in the space of their mesh.
     pub positions: &'a [[f32; 3]],
@@ -84,4 +90,6 @@ pub struct Geometry<'a> {
     pub meshes: &'a [Mesh],
     /// Placed meshes.
     pub instances: &'a [Instance],
+    /// Holes in triangles; [`Opacity::NONE`] where there are none.
+    pub opacity: Opacity<'a>,
 }
