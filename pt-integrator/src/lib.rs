@@ -70,6 +70,7 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+pub mod bsdf;
 pub mod camera;
 pub mod film;
 #[cfg(feature = "kernels")]
