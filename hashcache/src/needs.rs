@@ -1,6 +1,6 @@
 //! What a scene requires to be rendered; nothing else is modelled.
 
-use pt_integrator::scene::{Environment, NONE, SceneData};
+use pt_integrator::scene::{Environment, Material, NONE, SceneData};
 use serde::Serialize;
 
 /// What a scene holds that a frame must model.
@@ -33,7 +33,7 @@ pub fn needs(scene: &SceneData) -> Needs {
         triangles: scene.indices.len() as u64,
         instances: scene.instances.len() as u64,
         lobes: vec!["diffuse"],
-        textures: scene.materials.iter().any(|material| material.base_color_texture != NONE),
+        textures: scene.materials.iter().any(|material| material.textures[Material::BASE_COLOR] != NONE),
         vertex_normals: scene.triangle_shading.iter().any(|triangle| triangle.normals != [NONE; 3]),
         emissive_triangles: scene.instances.iter().map(|instance| emissive_in(instance.mesh)).sum(),
         environment: match scene.environment {

@@ -79,10 +79,10 @@ impl<'a> Surface<'a> {
     pub fn albedo<const NEEDS: u32>(&self, scene: &SceneView<'_>) -> Vec3 {
         let [r, g, b, _] = self.material.base_color;
         let color = Vec3::new(r, g, b);
-        if NEEDS & Needs::TEXTURES == 0 || self.material.base_color_texture == NONE {
+        if NEEDS & Needs::TEXTURES == 0 || self.material.textures[Material::BASE_COLOR] == NONE {
             return color;
         }
-        let texture = &scene.textures[self.material.base_color_texture as usize];
+        let texture = &scene.textures[self.material.textures[Material::BASE_COLOR] as usize];
         color * sample_texture(texture, scene.texels, self.uv)
     }
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::light::{AliasEntry, EnvironmentSample, EnvironmentView, TriangleLight};
 use crate::packed::{SceneHeader, SceneInstance, SceneTriangle, Section};
-use crate::scene::{Material, Needs, Texture};
+use crate::scene::{Material, Needs, PunctualLight, Texture};
 
 /// Borrowed slices of a packed scene. Made without copying from the three buffers of [`crate::packed`].
 #[derive(Clone, Copy, Debug)]
@@ -24,8 +24,14 @@ pub struct SceneView<'a> {
     pub texels: &'a [u32],
     /// Emitting triangles.
     pub lights: &'a [TriangleLight],
-    /// Chooses among `lights`.
+    /// Chooses among `lights` and, behind them, `punctual_lights`.
     pub alias: &'a [AliasEntry],
+    /// Lights without extent.
+    pub punctual_lights: &'a [PunctualLight],
+    /// Second texture coordinates of triangles, or empty.
+    pub second_uv: &'a [[[f32; 2]; 3]],
+    /// See [`SceneHeader::emitters`].
+    pub emitters: &'a [u32],
     /// The environment image, if there is one.
     pub environment: EnvironmentView<'a>,
 }
@@ -44,6 +50,7 @@ impl<'a> SceneView<'a> {
             rows: section(words, header.environment_rows)?,
             columns: section(words, header.environment_columns)?,
             guides: section(words, header.environment_guides)?,
+            rotation: header.environment_rotation,
         };
         Some(Self {
             header,
@@ -54,6 +61,9 @@ impl<'a> SceneView<'a> {
             texels,
             lights: section(words, header.lights)?,
             alias: section(words, header.alias)?,
+            punctual_lights: section(words, header.punctual_lights)?,
+            second_uv: section(words, header.second_uv)?,
+            emitters: section(words, header.emitters)?,
             environment,
         })
     }

@@ -103,7 +103,7 @@ proptest! {
     #[test]
     fn textures_take_any_coordinate(u: f32, v: f32, width in 1_u32..9, height in 1_u32..9, wrap in 0_u32..16) {
         let texels: Vec<u32> = (0..width * height).map(|i| i.wrapping_mul(0x0103_0507)).collect();
-        let texture = Texture { first_texel: 0, width, height, wrap };
+        let texture = Texture { first_texel: 0, width, height, flags: wrap, uv_rows: Texture::IDENTITY };
         let color = sample_texture(&texture, &texels, Vec2::new(u, v));
         if u.is_finite() && v.is_finite() {
             prop_assert!(color.is_finite() && color.min_element() >= 0.0 && color.max_element() <= 1.0);
@@ -126,7 +126,7 @@ fn wraps_and_centres() {
     // Two texels: black, white.
     let texels = [0, 0x00ff_ffff];
     let at = |wrap, u| {
-        let texture = Texture { first_texel: 0, width: 2, height: 1, wrap: Texture::wrap_word(wrap, wrap) };
+        let texture = Texture::new(0, [2, 1], [wrap; 2]);
         sample_texture(&texture, &texels, Vec2::new(u, 0.3)).x
     };
     for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
@@ -177,7 +177,7 @@ fn scenes_that_cannot_be() {
     assert!(matches!(error(|s| s.meshes[0].triangle_count = u32::MAX), SceneError::Index { at: "mesh", .. }));
     assert!(matches!(error(|s| s.instances[0].mesh = 1), SceneError::Index { at: "instance", .. }));
     assert!(matches!(error(|s| s.materials[0].emission[0] = -1.0), SceneError::Number { at: "material", .. }));
-    assert!(matches!(error(|s| s.materials[0].base_color_texture = 0), SceneError::Index { .. }));
+    assert!(matches!(error(|s| s.materials[0].textures[Material::BASE_COLOR] = 0), SceneError::Index { .. }));
     assert!(matches!(error(|s| s.triangle_shading.truncate(1)), SceneError::Length { .. }));
     let image = EnvironmentImage { width: 4, height: 2, texels: vec![[0.0; 4]; 7] };
     let mut scene = good();

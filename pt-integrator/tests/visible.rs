@@ -23,10 +23,9 @@ fn room(environment: Option<Environment>, lamps: bool) -> SceneData {
     let mut scene = SceneData { environment, ..SceneData::default() };
     let mut walls = inward_box(Vec3::splat(-1.0), Vec3::ONE);
     walls.truncate(10);
-    let textured = Material { base_color_texture: 0, ..Material::lambert([0.7, 0.5, 0.3]) };
+    let textured = Material::lambert([0.7, 0.5, 0.3]).textured(Material::BASE_COLOR, 0);
     scene.texels = vec![0x0040_80c0, 0x00c0_4080, 0x0080_c040, 0x00ff_ffff];
-    scene.textures =
-        vec![Texture { first_texel: 0, width: 2, height: 2, wrap: Texture::wrap_word(Wrap::Repeat, Wrap::Mirror) }];
+    scene.textures = vec![Texture::new(0, [2, 2], [Wrap::Repeat, Wrap::Mirror])];
     add_triangles(&mut scene, &walls, textured);
     add_sphere(&mut scene, Vec3::new(0.3, -0.5, 0.2), 0.4, 4, true, Material::lambert([0.8, 0.8, 0.2]));
     if lamps {

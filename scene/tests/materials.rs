@@ -154,11 +154,10 @@ fn textures_from_buffer_views_data_uris_and_files() {
         std::fs::create_dir(dir.path().join("sub")).unwrap();
         std::fs::write(dir.path().join("sub/a b.png"), &image).unwrap();
         let loaded = load_in(dir.path(), "s.glb", &file.glb()).unwrap();
-        let wrap = Texture::wrap_word(Wrap::Clamp, Wrap::Mirror);
-        assert_eq!(loaded.data.textures, [Texture { first_texel: 0, width: 2, height: 2, wrap }]);
+        assert_eq!(loaded.data.textures, [Texture::new(0, [2, 2], [Wrap::Clamp, Wrap::Mirror])]);
         assert_eq!(loaded.data.texels, [0xff00_00ff, 0xff00_ff00, 0xffff_0000, 0x4080_8080]);
         assert_eq!(loaded.data.triangle_shading[0].uv, [[0.0, 0.5], [1.0, 0.0], [2.0, -1.0]]);
-        assert_eq!(loaded.data.materials[0].base_color_texture, 0);
+        assert_eq!(loaded.data.materials[0].textures[Material::BASE_COLOR], 0);
     }
 }
 
@@ -174,7 +173,7 @@ fn an_image_of_two_textures_is_stored_once() {
     file.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(second);
     let loaded = file.load().unwrap();
     assert_eq!((loaded.data.textures.len(), loaded.info.images, loaded.data.texels.len()), (2, 1, 4));
-    assert_eq!(loaded.data.textures[1].wrap, 0);
+    assert_eq!(loaded.data.textures[1].flags, 0);
     assert_eq!(loaded.data.triangle_shading[1].uv, [[9.0; 2]; 3]);
 }
 

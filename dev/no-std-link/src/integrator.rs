@@ -12,7 +12,7 @@ use pt_integrator::path::{DirectSettings, PathOutcome, PathSettings, RayCounts, 
 use pt_integrator::path::{trace_path, trace_path_vertices, trace_visible};
 use pt_integrator::sampler::{Independent, Sobol, pixel_seed, vertex_seed};
 use pt_integrator::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine, sample_triangle};
-use pt_integrator::scene::{Camera, Material, Texture};
+use pt_integrator::scene::{Camera, Material, Texture, Wrap};
 use pt_integrator::texture::sample_texture;
 use pt_integrator::view::SceneView;
 
@@ -45,6 +45,9 @@ fn path(checks: &mut Checks) {
         texels: &[],
         lights: &[],
         alias: &[],
+        punctual_lights: &[],
+        second_uv: &[],
+        emitters: &[],
         environment: EnvironmentView::NONE,
     };
     let rays = CameraRays::new(&camera);
@@ -90,7 +93,7 @@ fn sampling(checks: &mut Checks) {
 }
 
 fn textures(checks: &mut Checks) {
-    let texture = Texture { first_texel: 0, width: 1, height: 1, wrap: 0 };
+    let texture = Texture::new(0, [1, 1], [Wrap::Repeat; 2]);
     let white = sample_texture(&texture, &[black_box(u32::MAX)], Vec2::splat(0.3));
     checks.that("sample_texture", white.distance(Vec3::ONE) < 1e-6);
 }

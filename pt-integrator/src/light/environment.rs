@@ -34,6 +34,8 @@ pub struct EnvironmentView<'a> {
     /// # Source
     /// Chen & Asau 1974.
     pub guides: &'a [u32],
+    /// Cosine and sine of the angle by which the image is turned about +y, counter-clockwise seen from above.
+    pub rotation: [f32; 2],
 }
 
 /// Parts of `[0, 1)` for which [`EnvironmentView::guides`] has entries, a power of two: one for four texels of a row.
@@ -59,8 +61,16 @@ struct Place {
 
 impl EnvironmentView<'_> {
     /// No image.
-    pub const NONE: Self =
-        Self { width: 0, height: 0, texels: &[], row_density: &[], rows: &[], columns: &[], guides: &[] };
+    pub const NONE: Self = Self {
+        width: 0,
+        height: 0,
+        texels: &[],
+        row_density: &[],
+        rows: &[],
+        columns: &[],
+        guides: &[],
+        rotation: [1.0, 0.0],
+    };
 
     /// Radiance and density in a direction of unit length. Directions that are not finite see nothing.
     #[inline]
@@ -105,7 +115,13 @@ impl EnvironmentView<'_> {
         let radiance = self.radiance(&place);
         let pdf = self.density(&place, radiance, sine) * probability;
         let direction = Vec3::new(sine * sine_azimuth, cosine, -sine * cosine_azimuth);
-        (pdf > 0.0 && pdf <= f32::MAX).then_some(LightSample { direction, target: None, radiance, pdf })
+        (pdf > 0.0 && pdf <= f32::MAX).then_some(LightSample {
+            direction,
+            target: None,
+            radiance,
+            pdf,
+            is_delta: false,
+        })
     }
 
     #[inline]

@@ -81,6 +81,7 @@ impl EnvironmentTables {
             rows: &self.rows,
             columns: &self.columns,
             guides: &self.guides,
+            rotation: [1.0, 0.0],
         }
     }
 }

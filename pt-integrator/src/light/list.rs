@@ -24,6 +24,10 @@ pub struct LightList {
     pub environment_probability: f32,
     /// Tables of the environment image, if there is one that is not black.
     pub environment: Option<EnvironmentTables>,
+    /// Cosine and sine of the angle by which the environment is turned.
+    pub rotation: [f32; 2],
+    /// For each of `triangles` its index in the scene, when one of them has an emission texture; else empty.
+    pub emitters: Vec<u32>,
 }
 
 /// Bounds of [`LightList::environment_probability`] when both kinds of emitters exist. Power alone would starve the
@@ -55,6 +59,8 @@ impl LightList {
             Some(Environment::Image(image)) => EnvironmentTables::new(image),
             _ => None,
         };
+        let (sine, cosine) = float::sin_cos(scene.environment_rotation);
+        let rotation = [cosine, sine];
         let share = match &environment {
             None => 0.0,
             Some(_) if candidates.is_empty() => 1.0,
@@ -67,7 +73,7 @@ impl LightList {
         let scale = ((1.0 - share) / power) as f32;
         if candidates.is_empty() || !(scale > 0.0 && scale.is_finite()) {
             let environment_probability = if environment.is_some() { 1.0 } else { 0.0 };
-            return Self { environment_probability, environment, ..Self::default() };
+            return Self { environment_probability, environment, rotation, ..Self::default() };
         }
         let weights: Vec<f64> = candidates.iter().map(weight).collect();
         let lights = candidates.iter().map(|c| {
@@ -81,6 +87,8 @@ impl LightList {
             density_per_luminance: scale,
             environment_probability: share as f32,
             environment,
+            rotation,
+            emitters: Vec::new(),
         }
     }
 }

@@ -18,6 +18,9 @@ pub struct LightSample {
     pub radiance: Vec3,
     /// Density by solid angle, the choice of the emitter included; above 0 and finite.
     pub pdf: f32,
+    /// The emitter has no extent: no direction that scattering draws meets it. `pdf` is the probability of its choice
+    /// then, and `radiance` the irradiance on a plane that faces it.
+    pub is_delta: bool,
 }
 
 /// Chooses an emitter of the scene and a point on it, as seen from `from`. `None` when it cannot be seen from there.

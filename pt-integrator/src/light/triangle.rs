@@ -52,7 +52,13 @@ impl TriangleLight {
             return None;
         }
         let target = offset_origin(point, normal, -to, self.vertex[3]);
-        Some(LightSample { direction: to / distance, target: Some(target), radiance: xyz(&self.radiance), pdf })
+        Some(LightSample {
+            direction: to / distance,
+            target: Some(target),
+            radiance: xyz(&self.radiance),
+            pdf,
+            is_delta: false,
+        })
     }
 }
 

@@ -12,7 +12,7 @@ pub struct Section {
     pub count: u32,
 }
 
-/// Where everything is, and the numbers that belong to the whole scene. 144 bytes.
+/// Where everything is, and the numbers that belong to the whole scene. 176 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SceneHeader {
@@ -50,6 +50,15 @@ pub struct SceneHeader {
     pub environment_columns: Section,
     /// [`crate::light::EnvironmentView::guides`].
     pub environment_guides: Section,
+    /// Cosine and sine of [`crate::light::EnvironmentView::rotation`].
+    pub environment_rotation: [f32; 2],
+    /// [`crate::scene::PunctualLight`]s.
+    pub punctual_lights: Section,
+    /// Second texture coordinates, `[[f32; 2]; 3]` for each triangle; or none.
+    pub second_uv: Section,
+    /// For each of the emitting triangles its index among all triangles, when one of them has an emission texture;
+    /// else none.
+    pub emitters: Section,
     /// Zero.
     pub padding: [u32; 2],
 }

@@ -79,12 +79,27 @@ impl PackedScene {
     pub fn needs(&self) -> Needs {
         self.view().needs()
     }
+
+    /// Adds these bits of [`Needs`] to the scene's: features are then looked for in vain, and the picture stays the
+    /// same. To measure what leaving them out saves.
+    pub fn force_needs(&mut self, bits: u32) {
+        // The header's first word.
+        self.words[0] = Needs::from_bits(self.words[0]).with(bits).bits();
+    }
+}
+
+fn needs(scene: &SceneData, lights: &LightList) -> Needs {
+    let bit = |on: bool, bit: u32| if on { bit } else { 0 };
+    Needs::of_materials(&scene.materials)
+        .with(bit(!lights.triangles.is_empty(), Needs::TRIANGLE_LIGHTS))
+        .with(bit(lights.environment.is_some(), Needs::ENVIRONMENT_IMAGE))
+        .with(bit(!scene.punctual_lights.is_empty(), Needs::PUNCTUAL))
 }
 
 fn triangle(scene: &SceneData, index: usize) -> SceneTriangle {
     let shading = &scene.triangle_shading[index];
-    // Emitters shade with the face's normal, which also decides the emitting side.
-    let normals = if scene.materials[shading.material as usize].emits() { [NONE; 3] } else { shading.normals };
+    let flat = scene.materials[shading.material as usize].shades_flat();
+    let normals = if flat { [NONE; 3] } else { shading.normals };
     let vertex =
         |k: usize| PackedVertex { position: scene.positions[scene.indices[index][k] as usize], normal: normals[k] };
     SceneTriangle {
@@ -148,7 +163,7 @@ impl Words {
             _ => (&no_image, &no_tables),
         };
         let header = SceneHeader {
-            needs: Needs::of(&scene.materials, !lights.triangles.is_empty(), lights.environment.is_some()).bits(),
+            needs: needs(scene, lights).bits(),
             environment_probability: lights.environment_probability,
             density_per_luminance: lights.density_per_luminance,
             reserved: 0,
@@ -165,6 +180,10 @@ impl Words {
             environment_rows: self.section(&tables.rows),
             environment_columns: self.section(&tables.columns),
             environment_guides: self.section(&tables.guides),
+            environment_rotation: lights.rotation,
+            punctual_lights: self.section(&scene.punctual_lights),
+            second_uv: self.section(&scene.uv2),
+            emitters: self.section(&lights.emitters),
             padding: [0; 2],
         };
         let limit = u64::from(u32::MAX);

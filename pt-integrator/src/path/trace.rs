@@ -21,7 +21,7 @@ macro_rules! for_needs {
         const T: u32 = Needs::TEXTURES;
         const L: u32 = Needs::TRIANGLE_LIGHTS;
         const E: u32 = Needs::ENVIRONMENT_IMAGE;
-        match $scene.needs().bits() {
+        match $scene.needs().of_loop() {
             0 => $function::<0, $($generics),+>,
             T => $function::<T, $($generics),+>,
             L => $function::<L, $($generics),+>,

@@ -176,7 +176,8 @@ impl<const NEEDS: u32, C: RayCaster> Direct<'_, '_, NEEDS, C> {
         if samples == 0 || NEEDS & Needs::SAMPLED_LIGHTS == 0 {
             return Vec3::ZERO;
         }
-        let nothing = LightSample { direction: Vec3::ZERO, target: None, radiance: Vec3::ZERO, pdf: 1.0 };
+        let nothing =
+            LightSample { direction: Vec3::ZERO, target: None, radiance: Vec3::ZERO, pdf: 1.0, is_delta: false };
         let mut candidates = [Candidate { light: nothing, weight: 0.0 }; DirectSettings::MAX_CANDIDATES as usize];
         let candidates = &mut candidates[..all as usize];
         let mut total = 0.0;

@@ -4,7 +4,9 @@ use alloc::vec::Vec;
 
 use hashcache_core::geometry::{Geometry, Instance, Mesh};
 
-use super::{Camera, Environment, Material, SceneError, Texture, TriangleShading, validate};
+use super::{
+    Camera, Environment, Material, OpacityData, PunctualLight, SceneError, Texture, TriangleShading, validate,
+};
 
 /// A whole scene in lists. Indices point into the other lists; [`SceneData::validate`] checks them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +21,8 @@ pub struct SceneData {
     pub instances: Vec<Instance>,
     /// One for each triangle in `indices`.
     pub triangle_shading: Vec<TriangleShading>,
+    /// Second texture coordinates of the vertices, for each triangle in `indices`; or empty.
+    pub uv2: Vec<[[f32; 2]; 3]>,
     /// Materials.
     pub materials: Vec<Material>,
     /// Images in `texels`.
@@ -27,6 +31,13 @@ pub struct SceneData {
     pub texels: Vec<u32>,
     /// Light from outside, if there is any.
     pub environment: Option<Environment>,
+    /// Angle in radians by which the environment is turned about +y, counter-clockwise seen from above: what was at −z
+    /// comes to −x at π/2.
+    pub environment_rotation: f32,
+    /// Lights without extent.
+    pub punctual_lights: Vec<PunctualLight>,
+    /// Holes in triangles.
+    pub opacity: OpacityData,
     /// Cameras, in the file's order.
     pub cameras: Vec<Camera>,
 }
@@ -39,6 +50,7 @@ impl SceneData {
             indices: &self.indices,
             meshes: &self.meshes,
             instances: &self.instances,
+            opacity: self.opacity.view(),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use hashcache_core::geometry::OpacityError;
+
 /// Why a scene's lists do not fit together: names and numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -42,6 +44,8 @@ pub enum SceneError {
         /// Which one of them.
         element: u32,
     },
+    /// The lists of holes do not fit together.
+    Opacity(OpacityError),
 }
 
 impl fmt::Display for SceneError {
@@ -53,6 +57,7 @@ impl fmt::Display for SceneError {
             Self::Length { list, found, expected } => write!(f, "{list}: {found} entries, {expected} expected"),
             Self::TooLarge { list, found, limit } => write!(f, "{list}: {found} entries, at most {limit} are possible"),
             Self::Number { at, element } => write!(f, "{at} {element}: a number is not finite or is negative"),
+            Self::Opacity(error) => error.fmt(f),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What is rendered: surfaces, materials, textures, cameras, environment.
+//! What is rendered: surfaces, materials, textures, lights, cameras, environment.
 //!
 //! [`SceneData`] (feature `alloc`) owns a scene as a loader builds it. `packed::PackedScene` packs it
 //! into buffers, and [`SceneView`](crate::view::SceneView) borrows those: it is what path tracing reads.
@@ -12,6 +12,9 @@ mod environment;
 mod error;
 mod material;
 mod needs;
+#[cfg(feature = "alloc")]
+mod opacity;
+mod punctual;
 mod shading;
 mod texture;
 #[cfg(feature = "alloc")]
@@ -24,8 +27,11 @@ pub use data::SceneData;
 pub use environment::{Environment, EnvironmentImage};
 #[cfg(feature = "alloc")]
 pub use error::SceneError;
-pub use material::Material;
+pub use material::{Lobes, Material};
 pub use needs::Needs;
+#[cfg(feature = "alloc")]
+pub use opacity::OpacityData;
+pub use punctual::PunctualLight;
 pub use shading::TriangleShading;
 pub use texture::{Texture, Wrap};
 

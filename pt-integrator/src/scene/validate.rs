@@ -10,7 +10,8 @@ pub(super) fn scene(scene: &SceneData) -> Checked {
     geometry(scene)?;
     shading(scene)?;
     surfaces(scene)?;
-    environment(scene)
+    environment(scene)?;
+    scene.opacity.view().check(scene.indices.len()).map_err(SceneError::Opacity)
 }
 
 fn sizes(scene: &SceneData) -> Checked {
@@ -64,8 +65,8 @@ fn surfaces(scene: &SceneData) -> Checked {
     let rgb = |c: &[f32; 4]| c[..3].iter().all(light);
     numbers("material", scene.materials.iter().map(|m| rgb(&m.base_color) && rgb(&m.emission)))?;
     for (i, material) in scene.materials.iter().enumerate() {
-        if material.base_color_texture != NONE {
-            index("material's texture", i, material.base_color_texture, scene.textures.len())?;
+        for &texture in material.textures.iter().filter(|&&texture| texture != NONE) {
+            index("material's texture", i, texture, scene.textures.len())?;
         }
     }
     for (i, texture) in scene.textures.iter().enumerate() {

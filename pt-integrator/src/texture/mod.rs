@@ -12,8 +12,8 @@ use crate::scene::Texture;
 /// The linear colour of a texture at `uv`, bilinear between decoded texels.
 #[inline]
 pub fn sample_texture(texture: &Texture, texels: &[u32], uv: Vec2) -> Vec3 {
-    let (x0, x1, fx) = axis(uv.x, texture.width, texture.wrap & 3);
-    let (y0, y1, fy) = axis(uv.y, texture.height, (texture.wrap >> 2) & 3);
+    let (x0, x1, fx) = axis(uv.x, texture.width, texture.flags & 3);
+    let (y0, y1, fy) = axis(uv.y, texture.height, (texture.flags >> 2) & 3);
     let texel = |x: u32, y: u32| decode(texels[(texture.first_texel + y * texture.width + x) as usize]);
     let upper = texel(x0, y0).lerp(texel(x1, y0), fx);
     let lower = texel(x0, y1).lerp(texel(x1, y1), fx);

@@ -116,7 +116,7 @@ impl<'a> Materials<'a> {
         }
         material.flags = if source.double_sided { Material::DOUBLE_SIDED } else { 0 };
         let Some(info) = &pbr.base_color_texture else { return Ok((material, None)) };
-        material.base_color_texture = self.texture(info.index.value(), warnings)?;
+        material.textures[Material::BASE_COLOR] = self.texture(info.index.value(), warnings)?;
         Ok((material, Some(info.tex_coord)))
     }
 
@@ -132,9 +132,9 @@ impl<'a> Materials<'a> {
             Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
             _ => Wrap::Repeat,
         };
-        let mut word = Texture::wrap_word(Wrap::Repeat, Wrap::Repeat);
+        let mut wraps = [Wrap::Repeat; 2];
         if let Some((i, sampler)) = sampler {
-            word = Texture::wrap_word(wrap(sampler.wrap_s), wrap(sampler.wrap_t));
+            wraps = [wrap(sampler.wrap_s), wrap(sampler.wrap_t)];
             if matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest))) {
                 warnings
                     .add("textures are filtered bilinearly, also where the sampler asks for the nearest texel", || {
@@ -144,7 +144,7 @@ impl<'a> Materials<'a> {
         }
         let image = self.image(source.source.value(), warnings)?;
         let texture = self.textures.len() as u32;
-        self.textures.push(Texture { first_texel: image.first, width: image.width, height: image.height, wrap: word });
+        self.textures.push(Texture::new(image.first, [image.width, image.height], wraps));
         self.by_texture.insert(index, texture);
         Ok(texture)
     }

@@ -34,13 +34,13 @@ const BOOK_COLORS: [[f32; 3]; 5] =
 pub(super) fn build(builder: &mut Builder) {
     builder.data.materials = vec![
         Material::lambert([0.78, 0.76, 0.72]),
-        Material { base_color_texture: 0, ..Material::lambert([1.0; 3]) },
+        Material::lambert([1.0; 3]).textured(Material::BASE_COLOR, 0),
         Material::lambert([0.7, 0.36, 0.24]),
         Material::lambert([0.45, 0.29, 0.16]),
         Material::lambert([0.12, 0.11, 0.1]),
         Material::lambert([0.22, 0.32, 0.38]),
         Material::lambert([0.7, 0.55, 0.2]),
-        Material { base_color_texture: 1, ..Material::lambert([1.0; 3]) },
+        Material::lambert([1.0; 3]).textured(Material::BASE_COLOR, 1),
         Material::emissive([0.5; 3], [52.0, 44.0, 32.0]),
         Material::emissive([0.5; 3], [260.0, 200.0, 130.0]),
     ];
@@ -70,8 +70,7 @@ fn checker(builder: &mut Builder, fields: u32, colors: [[u32; 3]; 2]) {
         let [r, g, b] = colors[((x / FIELD + y / FIELD) % 2) as usize].map(|c| c + grain);
         r | g << 8 | b << 16 | 255 << 24
     }));
-    let wrap = Texture::wrap_word(Wrap::Repeat, Wrap::Repeat);
-    builder.data.textures.push(Texture { first_texel, width: side, height: side, wrap });
+    builder.data.textures.push(Texture::new(first_texel, [side, side], [Wrap::Repeat; 2]));
 }
 
 /// Floor, ceiling and walls, facing inwards. The left wall is of clay.
