@@ -1,7 +1,9 @@
 //! The filter's parameters from scene and settings.
 
 use hashcache_core::error::ParamError;
-use layered_filter::{ATrous, CrossBilateral, Direct, Filter, FilterSettings, LuminanceWeight, Taps, WeightSettings};
+use layered_filter::{
+    ATrous, Composition, CrossBilateral, Direct, Filter, FilterSettings, LuminanceWeight, Taps, WeightSettings,
+};
 use pt_integrator::camera::CameraRays;
 use pt_integrator::scene::Camera;
 
@@ -27,6 +29,9 @@ pub(crate) fn settings(
         pixel_angle: CameraRays::new(camera).pixel_angle(),
         further,
         direct_filter,
+        carried: Filter::None,
+        layers: 1,
+        composition: Composition::Layered,
     })
 }
 

@@ -65,6 +65,12 @@ impl GuideScale {
         ParamError::check_range("radius", f64::from(radius), 1e-30, 1e30)?;
         Ok(Self { recip_radius: 1.0 / radius, reserved: [0.0; 3] })
     }
+
+    /// 1 / radius.
+    #[inline]
+    pub(crate) const fn recip_radius(&self) -> f32 {
+        self.recip_radius
+    }
 }
 
 /// A guide as the filter's inner loop reads it (64 bytes, a line of the memory's caches): lengths in scene radii, the albedo in L\*a\*b\*.

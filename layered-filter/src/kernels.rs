@@ -7,9 +7,22 @@
 //! | [`FILL`] | pixels | guides, image | image; counters | [`ImageParams`] + [`Weights`] |
 //! | [`BILATERAL`], [`ATROUS`] | pixels | guides, image | image | [`ImageParams`] + the filter |
 //! | [`COMPOSE`] | pixels | pixels, direct, further | radiance | none |
+//! | [`CLEAR`] | runs of 16 bytes | | zeros | none |
+//!
+//! Pictures of several layers, deepest first:
+//!
+//! | kernel | items | reads | writes | parameters |
+//! |---|---|---|---|---|
+//! | [`GATHER_FRONT`] | samples, one a pixel | records, estimates | pixels, fronts (added to) | [`GatherParams`] |
+//! | [`FRONT`] | pixels | fronts | guides, carried; behind (taken from) | [`FrontParams`] |
+//! | [`GIVE`] | pixels | carried | behind (added to) | none |
+//! | [`ACCUMULATE`] | pixels | pixels, direct, further | behind (added to) | none |
+//! | [`RADIANCE`] | pixels | behind | radiance | none |
 //!
 //! An image is a buffer of [`Light`] with the view's number of pixels; the whole of it is bound to be read, also by
 //! dispatches over a part of the pixels. [`pass_kernel`] makes a kernel of any [`Denoiser`] that is [`Pod`].
+
+mod behind;
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -29,7 +42,9 @@ use crate::image::{Light, View, is_hole};
 use crate::pixel::{GatherParams, LayerPixel};
 use crate::weights::Weights;
 
-/// What a frame's pixels held and what became of their holes (48 bytes).
+pub use behind::{ACCUMULATE, CLEAR, FRONT, FrontParams, GATHER_FRONT, GIVE, RADIANCE};
+
+/// What a frame's pixels held and what became of their holes (48 bytes), added up over all layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct FilterCounters {
@@ -176,23 +191,46 @@ fn image_params<'a, T: Pod>(launch: &Launch<'a>) -> (&'a ImageParams, &'a T) {
 fn gather(launch: &mut Launch<'_>) {
     let params = launch.params::<GatherParams>();
     let (records, estimates) = (launch.input::<VertexRecord>(0), launch.input::<EstimateRecord>(1));
+    let (items, pixels) = (launch.items(), launch.output::<LayerPixel>(2));
+    gather_each(launch, items.zip(pixels), |item, pixel| {
+        add_sample(params, records, estimates, item, pixel).map(|(_, fine)| fine)
+    });
+}
+
+/// Runs `add` for every item; it tells whether all values were fine, or `None` for a binding that is too short: that adds
+/// nothing rather than something else.
+fn gather_each<T>(
+    launch: &Launch<'_>,
+    items: impl Iterator<Item = (u32, T)>,
+    mut add: impl FnMut(u32, T) -> Option<bool>,
+) {
     let mut fine = true;
-    let items = launch.items();
-    for (item, pixel) in items.zip(launch.output::<LayerPixel>(2)) {
-        // A binding that is too short adds nothing rather than something else.
-        let (record, estimate) = (records.get(params.record_of(item)), estimates.get(params.estimate_of(item)));
-        let (Some(record), Some(estimate)) = (record, estimate) else {
+    for (item, sums) in items {
+        let Some(of_item) = add(item, sums) else {
             launch.raise(Status::OVERFLOW);
             return;
         };
-        let EstimateRecord { direct: [r, g, b, samples], further: [x, y, z, _] } = *estimate;
-        let estimate =
-            Estimate { direct: Vec3::new(r, g, b), further: Vec3::new(x, y, z), samples: samples.max(0.0) as u32 };
-        fine &= pixel.add(params, record, &estimate);
+        fine &= of_item;
     }
     if !fine {
         launch.raise(Status::NON_FINITE);
     }
+}
+
+/// Adds an item's record and estimate to its pixel; whether all values were fine. `None` when there is no such record.
+#[inline(always)]
+fn add_sample<'a>(
+    params: &GatherParams,
+    records: &'a [VertexRecord],
+    estimates: &[EstimateRecord],
+    item: u32,
+    pixel: &mut LayerPixel,
+) -> Option<(&'a VertexRecord, bool)> {
+    let (record, estimate) = (records.get(params.record_of(item))?, estimates.get(params.estimate_of(item))?);
+    let EstimateRecord { direct: [r, g, b, samples], further: [x, y, z, _] } = *estimate;
+    let estimate =
+        Estimate { direct: Vec3::new(r, g, b), further: Vec3::new(x, y, z), samples: samples.max(0.0) as u32 };
+    Some((record, pixel.add(params, record, &estimate)))
 }
 
 fn prepare(launch: &mut Launch<'_>) {

@@ -90,6 +90,7 @@ pub mod atrous;
 pub mod bilateral;
 pub mod denoiser;
 pub mod fill;
+pub mod front;
 pub mod guide;
 pub mod image;
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
@@ -106,10 +107,11 @@ pub mod weights;
 pub use atrous::{ATrous, Taps};
 pub use bilateral::CrossBilateral;
 pub use denoiser::{Denoiser, filter, filter_pixels};
+pub use front::{Behind, Carry, FrontPixel};
 pub use guide::{GuideRecord, GuideScale, PreparedGuide};
 pub use image::{HOLE, Light, View};
 pub use layers::{Layer, Scratch, compose_layers, compose_screen};
 pub use pixel::{Direct, GatherParams, LayerPixel};
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
-pub use stages::{Filter, FilterSettings, FilterStages};
+pub use stages::{Composition, Filter, FilterSettings, FilterStages, MAX_LAYERS};
 pub use weights::{LuminanceWeight, WeightSettings, Weights};

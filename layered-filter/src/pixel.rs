@@ -32,12 +32,16 @@ pub struct GatherParams {
     recip_pixel_angle: f32,
     record_stride: u32,
     estimate_stride: u32,
-    direct_from_record: u32,
+    /// Bit 0: direct light from the record; from bit 8 on: the layer.
+    direct_layer: u32,
 }
+
+/// First bit of the layer in [`GatherParams`]' last word.
+const LAYER_SHIFT: u32 = 8;
 
 impl GatherParams {
     /// Parameters for records of a camera whose pixels have the angle `pixel_angle` = 2·tan(`fov_y`/2)/height, where
-    /// item i reads record i·`record_stride` and estimate i·`estimate_stride`.
+    /// item i reads record i·`record_stride` and estimate i·`estimate_stride`, in the first layer.
     ///
     /// # Errors
     /// [`ParamError`] when the angle is not between 10⁻⁹ and 4 or a stride is 0.
@@ -46,20 +50,39 @@ impl GatherParams {
         let most = f64::from(u32::MAX);
         ParamError::check_range("record_stride", f64::from(record_stride), 1.0, most)?;
         ParamError::check_range("estimate_stride", f64::from(estimate_stride), 1.0, most)?;
-        let direct_from_record = u32::from(direct == Direct::Record);
-        Ok(Self { recip_pixel_angle: 1.0 / pixel_angle, record_stride, estimate_stride, direct_from_record })
+        let direct_layer = u32::from(direct == Direct::Record);
+        Ok(Self { recip_pixel_angle: 1.0 / pixel_angle, record_stride, estimate_stride, direct_layer })
     }
 
     /// Index of item `item`'s record.
     #[inline]
     pub const fn record_of(&self, item: u32) -> usize {
-        item as usize * self.record_stride as usize
+        item as usize * self.record_stride as usize + self.layer() as usize
     }
 
     /// Index of item `item`'s estimate.
     #[inline]
     pub const fn estimate_of(&self, item: u32) -> usize {
-        item as usize * self.estimate_stride as usize
+        item as usize * self.estimate_stride as usize + self.layer() as usize
+    }
+
+    /// The layer that is read: records and estimates are those so many behind the item's first.
+    #[inline]
+    pub const fn layer(&self) -> u32 {
+        self.direct_layer >> LAYER_SHIFT
+    }
+
+    /// The same for another layer, at most 2²⁴ − 1.
+    #[must_use]
+    pub const fn with_layer(mut self, layer: u32) -> Self {
+        self.direct_layer = (self.direct_layer & 1) | (layer << LAYER_SHIFT);
+        self
+    }
+
+    /// Path length of a record's vertex in scene units.
+    #[inline]
+    pub(crate) fn distance(&self, record: &VertexRecord) -> f32 {
+        record.position_footprint[3] * self.recip_pixel_angle
     }
 
     /// The same with other strides; 0 counts as 1.
@@ -72,7 +95,7 @@ impl GatherParams {
 
     /// Where direct light comes from.
     pub const fn direct(&self) -> Direct {
-        if self.direct_from_record == 0 { Direct::Estimate } else { Direct::Record }
+        if self.direct_layer & 1 == 0 { Direct::Estimate } else { Direct::Record }
     }
 }
 
@@ -142,7 +165,7 @@ impl LayerPixel {
     #[inline]
     fn add_vertex(&mut self, params: &GatherParams, record: &VertexRecord, estimate: &Estimate) {
         let (throughput, position) = (xyz(&record.throughput), xyz(&record.position_footprint));
-        let distance = record.position_footprint[3] * params.recip_pixel_angle;
+        let distance = params.distance(record);
         // A vertex without a place or with a broken throughput is no guide and cannot be weighted.
         if !is_light(throughput) || !position.is_finite() || !(0.0..=f32::MAX).contains(&distance) {
             return self.leave_out();
@@ -249,18 +272,18 @@ fn mean_light(sums: &[f32; 4], weights: &[f32; 4], n: f32) -> Light {
 
 /// Adds, and stays finite: light of 10¹⁹ has a square beyond f32.
 #[inline]
-fn accumulate(sum: &mut [f32; 4], v: Vec3, w: f32) {
+pub(crate) fn accumulate(sum: &mut [f32; 4], v: Vec3, w: f32) {
     let next = xyz(sum) + v;
     *sum = next.extend(sum[3] + w).min(hashcache_core::glam::Vec4::splat(f32::MAX)).to_array();
 }
 
 /// Finite and not negative.
 #[inline]
-fn is_light(v: Vec3) -> bool {
+pub(crate) fn is_light(v: Vec3) -> bool {
     v.is_finite() && v.min_element() >= 0.0
 }
 
 #[inline]
-fn xyz(v: &[f32; 4]) -> Vec3 {
+pub(crate) fn xyz(v: &[f32; 4]) -> Vec3 {
     Vec3::new(v[0], v[1], v[2])
 }

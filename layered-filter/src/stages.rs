@@ -1,10 +1,13 @@
 //! The filter as the pipeline sees it: buffers, and the kernels in their order.
 
+mod buffers;
+mod picture;
+
 use alloc::vec;
 use alloc::vec::Vec;
 
-use backend_api::{Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Ticket};
-use bytemuck::{Pod, bytes_of};
+use backend_api::{Backend, Binding, BufferId, Error, Items, Kernel, Ticket};
+use bytemuck::bytes_of;
 use hashcache_core::error::ParamError;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::EstimateRecord;
@@ -12,11 +15,16 @@ use hashcache_core::stages::EstimateRecord;
 use crate::atrous::ATrous;
 use crate::bilateral::CrossBilateral;
 use crate::denoiser::Denoiser;
+use crate::front::{Behind, FrontPixel};
 use crate::guide::{GuideScale, PreparedGuide};
-use crate::image::Light;
-use crate::kernels::{ATROUS, BILATERAL, COMPOSE, FILL, FilterCounters, GATHER, ImageParams, PREPARE};
+use crate::kernels::{
+    self, ACCUMULATE, ATROUS, BILATERAL, CLEAR, COMPOSE, FILL, FilterCounters, GATHER, GATHER_FRONT, GIVE, PREPARE,
+    RADIANCE,
+};
 use crate::pixel::{Direct, GatherParams, LayerPixel};
 use crate::weights::{WeightSettings, Weights};
+
+use buffers::{Buffers, COUNTERS, FRONT, GUIDE, LIGHT, PIXEL, part};
 
 /// The denoiser of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +75,29 @@ pub struct FilterSettings {
     pub further: Filter,
     /// The denoiser of direct light.
     pub direct_filter: Filter,
+    /// The denoiser of light from behind that is filtered with the guides of what it passes.
+    pub carried: Filter,
+    /// Layers, 1 to [`MAX_LAYERS`]: records and estimates of a pixel that follow each other.
+    pub layers: u32,
+    /// How layers become a picture; nothing to a single one.
+    pub composition: Composition,
+}
+
+/// The most layers of a picture.
+pub const MAX_LAYERS: u32 = 8;
+
+/// How layers become a picture, deepest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Composition {
+    /// Each layer is filtered with its own guides, and what it sends forward is not touched again: all lobes in front are
+    /// narrow.
+    Layered,
+    /// The same, and light that passes rough lobes ([`crate::front::LEAST_ROUGHNESS`]) is filtered once more with the
+    /// guides of the vertices that it passes there.
+    LayeredRough,
+    /// Only the first layer is filtered; all light from behind it at once, with the guides of the vertices that it
+    /// passes there.
+    Screen,
 }
 
 /// A picture's sums, guides and images in the buffers of a backend.
@@ -76,7 +107,8 @@ pub struct FilterSettings {
 /// a camera at rest converges.
 ///
 /// Per pixel: 128 bytes of sums, 64 of guides, 16 of radiance and 32 an image (16 for direct light that is not apart), 256
-/// or 272 in all.
+/// or 272 in all. With several layers 128 for each further one and 32 for what is behind; 48 for each layer whose light
+/// from behind is filtered, and 32 for the image of it.
 #[derive(Debug)]
 pub struct FilterStages {
     settings: FilterSettings,
@@ -86,28 +118,6 @@ pub struct FilterStages {
     buffers: Option<Buffers>,
 }
 
-/// Each image has two buffers, which passes read and write in turn.
-#[derive(Clone, Copy, Debug)]
-struct Buffers {
-    pixels: BufferId,
-    guides: BufferId,
-    further: [BufferId; 2],
-    direct: [BufferId; 2],
-    radiance: BufferId,
-    counters: BufferId,
-}
-
-impl Buffers {
-    fn all(&self) -> [BufferId; 8] {
-        let Self { pixels, guides, further, direct, radiance, counters } = *self;
-        [pixels, guides, further[0], further[1], direct[0], direct[1], radiance, counters]
-    }
-}
-
-const PIXEL: u64 = size_of::<LayerPixel>() as u64;
-const LIGHT: u64 = size_of::<Light>() as u64;
-const COUNTER_BYTES: u64 = size_of::<FilterCounters>() as u64;
-
 /// Dispatches over sums cover at most this many pixels: 2¹⁹·128 bytes fit the binding of every device.
 const CHUNK: u32 = 1 << 19;
 
@@ -115,10 +125,12 @@ impl FilterStages {
     /// A filter for pictures of one size.
     ///
     /// # Errors
-    /// [`ParamError`] when a size is not 1 to 65,535 or radius or angle are out of range.
+    /// [`ParamError`] when a size is not 1 to 65,535, layers are not 1 to [`MAX_LAYERS`], or radius or angle are out of
+    /// range.
     pub fn new(settings: &FilterSettings) -> Result<Self, ParamError> {
         ParamError::check_range("width", f64::from(settings.width), 1.0, 65_535.0)?;
         ParamError::check_range("height", f64::from(settings.height), 1.0, 65_535.0)?;
+        ParamError::check_range("layers", f64::from(settings.layers), 1.0, f64::from(MAX_LAYERS))?;
         let scale = GuideScale::new(settings.radius)?;
         let gather = GatherParams::new(settings.pixel_angle, settings.direct, 1, 1)?;
         let surface = Weights::new(&WeightSettings::surface(settings.pixel_angle))?;
@@ -131,9 +143,10 @@ impl FilterStages {
     }
 
     /// Replaces the denoisers; sums stay.
-    pub const fn set_filters(&mut self, further: Filter, direct: Filter) {
+    pub const fn set_filters(&mut self, further: Filter, direct: Filter, carried: Filter) {
         self.settings.further = further;
         self.settings.direct_filter = direct;
+        self.settings.carried = carried;
     }
 
     /// Replaces the pixels' angle, for a camera that was zoomed; [`clear`](Self::clear) belongs to it.
@@ -154,20 +167,35 @@ impl FilterStages {
 
     /// Bytes of all buffers.
     pub fn bytes(&self) -> u64 {
-        let images = if self.settings.direct == Direct::Record { 5 } else { 4 };
-        let pixel = PIXEL + size_of::<PreparedGuide>() as u64 + images * LIGHT;
-        u64::from(self.pixels()) * pixel + COUNTER_BYTES
+        u64::from(self.pixels()) * buffers::pixel_bytes(&self.settings) + COUNTERS
     }
 
-    /// Names of the kernels, in their order.
+    /// Names of the kernels, in the order of their first use.
     pub fn kernels(&self) -> Vec<&'static str> {
-        let mut names = vec![GATHER.name, PREPARE.name, FILL.name];
-        for filter in [&self.settings.further, &self.settings.direct_filter] {
-            if let Some(kernel) = filter.kernel().filter(|kernel| !names.contains(&kernel.name)) {
+        let deep = self.settings.layers > 1;
+        let fronts = buffers::fronts(&self.settings) > 0;
+        let mut names = vec![GATHER.name];
+        let mut push = |kernel: &Kernel, used: bool| {
+            if used && !names.contains(&kernel.name) {
                 names.push(kernel.name);
             }
+        };
+        push(&GATHER_FRONT, fronts);
+        push(&PREPARE, true);
+        push(&FILL, true);
+        for filter in [&self.settings.further, &self.settings.direct_filter] {
+            if let Some(kernel) = filter.kernel() {
+                push(kernel, true);
+            }
         }
-        names.push(COMPOSE.name);
+        push(&COMPOSE, !deep);
+        push(&ACCUMULATE, deep);
+        if let Some(kernel) = self.settings.carried.kernel() {
+            push(&kernels::FRONT, fronts);
+            push(kernel, fronts);
+            push(&GIVE, fronts);
+        }
+        push(&RADIANCE, deep);
         names
     }
 
@@ -179,32 +207,7 @@ impl FilterStages {
         if self.buffers.is_some() {
             return self.clear(backend);
         }
-        let pixels = u64::from(self.pixels());
-        let mut made = Vec::with_capacity(8);
-        let sizes = [
-            ("lf.pixels", PIXEL * pixels),
-            ("lf.guides", size_of::<PreparedGuide>() as u64 * pixels),
-            ("lf.further", LIGHT * pixels),
-            ("lf.further", LIGHT * pixels),
-            ("lf.direct", LIGHT * pixels),
-            // What is not apart is not filtered.
-            ("lf.direct", LIGHT * if self.settings.direct == Direct::Record { pixels } else { 1 }),
-            ("lf.radiance", LIGHT * pixels),
-            ("lf.counters", COUNTER_BYTES),
-        ];
-        for (name, size) in sizes {
-            match backend.create(&BufferDesc { name, size }) {
-                Ok(buffer) => made.push(buffer),
-                Err(error) => {
-                    for buffer in made {
-                        backend.destroy(buffer)?;
-                    }
-                    return Err(error);
-                }
-            }
-        }
-        let [pixels, guides, f0, f1, d0, d1, radiance, counters] = made[..] else { unreachable!("eight sizes") };
-        self.buffers = Some(Buffers { pixels, guides, further: [f0, f1], direct: [d0, d1], radiance, counters });
+        self.buffers = Some(Buffers::new(backend, &self.settings, self.pixels().into())?);
         Ok(())
     }
 
@@ -213,14 +216,21 @@ impl FilterStages {
     /// # Errors
     /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
     pub fn clear<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
-        let buffer = self.buffers("lf.clear")?.pixels;
-        backend.primitive(backend_api::Primitive::Fill { buffer, word: 0 })
+        self.buffers(CLEAR.name)?.sums().try_for_each(|(buffer, stride)| self.clear_buffer(backend, buffer, stride))
     }
 
-    /// Records the adding of a sample to each of `count` pixels from `first` on: pixel `first + i` gets record
-    /// i·`record_stride` and estimate i·`estimate_stride`.
+    /// Zeros a buffer of so many bytes a pixel.
+    fn clear_buffer<B: Backend>(&self, backend: &mut B, buffer: BufferId, stride: u64) -> Result<(), Error> {
+        self.by_chunks(|first, count| {
+            let words = part(buffer, stride, first, count);
+            backend.dispatch(&CLEAR, &[], &[words], Items::Count((words.size / 16) as u32))
+        })
+    }
+
+    /// Records the adding of a sample to each of `count` pixels from `first` on: pixel `first + i` gets the records from
+    /// i·`record_stride` on, one a layer, and the estimates from i·`estimate_stride` on.
     ///
-    /// `first` is a multiple of 2 (bindings start at multiples of 256 bytes).
+    /// `first` is a multiple of 2, with several layers of 16 (bindings start at multiples of 256 bytes).
     ///
     /// # Errors
     /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
@@ -237,110 +247,37 @@ impl FilterStages {
     ) -> Result<(), Error> {
         let buffers = self.buffers(GATHER.name)?;
         let params = self.gather.with_strides(record_stride, estimate_stride);
-        let pixels = part(buffers.pixels, PIXEL, first, count);
-        backend.dispatch(&GATHER, bytes_of(&params), &[records, estimates, pixels], Items::Count(count))
-    }
-
-    /// Records everything from sums to [`radiance`](Self::radiance).
-    ///
-    /// # Errors
-    /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
-    pub fn filter<B: Backend>(&self, backend: &mut B) -> Result<(), Error> {
-        let buffers = *self.buffers(PREPARE.name)?;
-        backend.write(buffers.counters, 0, bytes_of(&FilterCounters { ..FilterCounters::default() }))?;
-        let counters = Binding { buffer: buffers.counters, offset: 0, size: COUNTER_BYTES };
-        for (first, count) in self.chunks() {
-            let bindings = [
-                part(buffers.pixels, PIXEL, first, count),
-                part(buffers.guides, size_of::<PreparedGuide>() as u64, first, count),
-                part(buffers.direct[0], LIGHT, first, count),
-                part(buffers.further[0], LIGHT, first, count),
-                counters,
-            ];
-            backend.dispatch(&PREPARE, bytes_of(&self.scale), &bindings, Items::Count(count))?;
-        }
-        let further = self.passes(backend, &buffers, &self.settings.further, buffers.further)?;
-        let direct = match self.settings.direct {
-            // Traced light has no holes to fill.
-            Direct::Record if self.settings.direct_filter != Filter::None => {
-                self.passes(backend, &buffers, &self.settings.direct_filter, buffers.direct)?
+        for (layer, sums) in (0..).zip(&buffers.pixels) {
+            let params = params.with_layer(layer);
+            let pixels = part(*sums, PIXEL, first, count);
+            match buffers.fronts.get(layer as usize) {
+                None => {
+                    let bindings = [records, estimates, pixels];
+                    backend.dispatch(&GATHER, bytes_of(&params), &bindings, Items::Count(count))?;
+                }
+                Some(fronts) => {
+                    let bindings = [records, estimates, pixels, part(*fronts, FRONT, first, count)];
+                    backend.dispatch(&GATHER_FRONT, bytes_of(&params), &bindings, Items::Count(count))?;
+                }
             }
-            _ => buffers.direct[0],
-        };
-        for (first, count) in self.chunks() {
-            let bindings = [
-                part(buffers.pixels, PIXEL, first, count),
-                part(direct, LIGHT, first, count),
-                part(further, LIGHT, first, count),
-                part(buffers.radiance, LIGHT, first, count),
-            ];
-            backend.dispatch(&COMPOSE, &[], &bindings, Items::Count(count))?;
         }
         Ok(())
     }
 
-    /// Fills and filters an image whose light is in the first of its buffers; returns the buffer where it ends.
-    fn passes<B: Backend>(
-        &self,
-        backend: &mut B,
-        buffers: &Buffers,
-        filter: &Filter,
-        [mut from, mut to]: [BufferId; 2],
-    ) -> Result<BufferId, Error> {
-        let count = self.pixels();
-        let guides = part(buffers.guides, size_of::<PreparedGuide>() as u64, 0, count);
-        let counters = Binding { buffer: buffers.counters, offset: 0, size: COUNTER_BYTES };
-        let bindings = [guides, part(from, LIGHT, 0, count), part(to, LIGHT, 0, count), counters];
-        let params = self.block(0, &self.fill_weights(filter));
-        backend.dispatch(&FILL, &params, &bindings, Items::Count(count))?;
-        (from, to) = (to, from);
-        let Some(kernel) = filter.kernel() else { return Ok(from) };
-        for pass in 0..filter.passes() {
-            let params = match filter {
-                Filter::None => return Ok(from),
-                Filter::CrossBilateral(denoiser) => self.block(pass, denoiser),
-                Filter::ATrous(denoiser) => self.block(pass, denoiser),
-            };
-            let bindings = [guides, part(from, LIGHT, 0, count), part(to, LIGHT, 0, count)];
-            backend.dispatch(kernel, &params, &bindings, Items::Count(count))?;
-            (from, to) = (to, from);
-        }
-        Ok(from)
-    }
-
-    /// The weights by which holes are filled: the filter's own.
-    fn fill_weights(&self, filter: &Filter) -> Weights {
-        match filter {
-            Filter::None => self.surface,
-            Filter::CrossBilateral(denoiser) => *denoiser.weights(),
-            Filter::ATrous(denoiser) => *denoiser.weights(),
-        }
-    }
-
-    /// The parameter block of a kernel that reads neighbours.
-    fn block<T: Pod>(&self, pass: u32, rest: &T) -> Vec<u8> {
-        let head = ImageParams { width: self.settings.width, height: self.settings.height, pass, first: 0 };
-        [bytes_of(&head), bytes_of(rest)].concat()
-    }
-
-    fn chunks(&self) -> impl Iterator<Item = (u32, u32)> {
-        let pixels = self.pixels();
-        (0..pixels).step_by(CHUNK as usize).map(move |first| (first, CHUNK.min(pixels - first)))
-    }
-
     /// The picture (`[f32; 4]` a pixel: radiance, 0), once prepared.
     pub fn radiance(&self) -> Option<Binding> {
-        self.buffers.map(|buffers| part(buffers.radiance, LIGHT, 0, self.pixels()))
+        self.buffers.as_ref().map(|buffers| part(buffers.radiance, LIGHT, 0, self.pixels()))
     }
 
-    /// The sums ([`LayerPixel`]), once prepared.
-    pub fn sums(&self) -> Option<Binding> {
-        self.buffers.map(|buffers| part(buffers.pixels, PIXEL, 0, self.pixels()))
+    /// The sums ([`LayerPixel`]) of a layer, once prepared; `None` for a layer that there is not.
+    pub fn sums(&self, layer: u32) -> Option<Binding> {
+        let pixels = self.buffers.as_ref()?.pixels.get(layer as usize)?;
+        Some(part(*pixels, PIXEL, 0, self.pixels()))
     }
 
-    /// The guides ([`PreparedGuide`]) of the last call of [`filter`](Self::filter), once prepared.
+    /// The guides ([`PreparedGuide`]) of the first layer after the last call of [`filter`](Self::filter), once prepared.
     pub fn guides(&self) -> Option<Binding> {
-        self.buffers.map(|buffers| part(buffers.guides, size_of::<PreparedGuide>() as u64, 0, self.pixels()))
+        self.buffers.as_ref().map(|buffers| part(buffers.guides, GUIDE, 0, self.pixels()))
     }
 
     /// Asks for the counters of the last [`filter`](Self::filter) that was submitted; [`counters`](Self::counters) reads
@@ -349,7 +286,7 @@ impl FilterStages {
     /// # Errors
     /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
     pub fn read_counters<B: Backend>(&self, backend: &mut B) -> Result<Ticket, Error> {
-        backend.read(self.buffers("lf.counters")?.counters, 0, COUNTER_BYTES)
+        backend.read(self.buffers("lf.counters")?.counters, 0, COUNTERS)
     }
 
     /// The counters in the bytes that a ticket of [`read_counters`](Self::read_counters) was redeemed for.
@@ -362,10 +299,7 @@ impl FilterStages {
     /// # Errors
     /// Those of the backend.
     pub fn release<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
-        for buffer in self.buffers.take().iter().flat_map(Buffers::all) {
-            backend.destroy(buffer)?;
-        }
-        Ok(())
+        self.buffers.take().map_or(Ok(()), |buffers| buffers.destroy(backend))
     }
 
     fn buffers(&self, at: &'static str) -> Result<&Buffers, Error> {
@@ -373,11 +307,7 @@ impl FilterStages {
     }
 }
 
-/// Elements `first .. first + count` of a buffer.
-fn part(buffer: BufferId, stride: u64, first: u32, count: u32) -> Binding {
-    Binding { buffer, offset: u64::from(first) * stride, size: u64::from(count) * stride }
-}
-
 // The strides that the kernels declare are those of the records.
 const _: () = assert!(size_of::<VertexRecord>() == 96 && size_of::<EstimateRecord>() == 32);
 const _: () = assert!(size_of::<LayerPixel>() == 128 && size_of::<PreparedGuide>() == 64);
+const _: () = assert!(size_of::<FrontPixel>() == 48 && size_of::<Behind>() == 32);

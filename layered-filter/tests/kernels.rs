@@ -9,7 +9,8 @@ use hashcache_core::pack::octahedral_encode;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::EstimateRecord;
 use layered_filter::{
-    ATrous, CrossBilateral, Direct, Filter, FilterSettings, FilterStages, LuminanceWeight, Taps, WeightSettings,
+    ATrous, Composition, CrossBilateral, Direct, Filter, FilterSettings, FilterStages, LuminanceWeight, Taps,
+    WeightSettings,
 };
 
 const WIDTH: u32 = 61;
@@ -67,6 +68,9 @@ fn settings(direct: Direct, filter: &Filter) -> FilterSettings {
         pixel_angle: 0.002,
         further: *filter,
         direct_filter: *filter,
+        carried: *filter,
+        layers: 1,
+        composition: Composition::Layered,
     }
 }
 

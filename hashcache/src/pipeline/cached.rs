@@ -116,7 +116,7 @@ impl Cached {
         self.gathered = gathered;
         let (further, direct) =
             filter::filters(pass.settings, pass.camera, gathered).map_err(|error| Error::refused("filter", &error))?;
-        self.filter.set_filters(further, direct);
+        self.filter.set_filters(further, direct, further);
         work.stage(backend, "filter", |backend| self.filter.filter(backend))?;
         let radiance = self.filter.radiance().ok_or(backend_api::Error::UnknownBuffer { at: "lf.radiance" })?;
         Ok(pass.picture(&super::read(backend, radiance)?))
@@ -215,7 +215,7 @@ impl Cached {
 
     /// The pixels' sums.
     pub fn sums<B: CastsRays>(&self, backend: &mut B) -> Result<Vec<u8>, Error> {
-        let sums = self.filter.sums().ok_or(backend_api::Error::UnknownBuffer { at: "lf.pixels" })?;
+        let sums = self.filter.sums(0).ok_or(backend_api::Error::UnknownBuffer { at: "lf.pixels" })?;
         Ok(super::read(backend, sums)?)
     }
 
