@@ -19,12 +19,18 @@ use crate::pack::octahedral_decode;
 /// | 12..16 | `position_footprint[3]` | footprint |
 /// | 16..32 | `direct` | rgb, 0 |
 /// | 32..48 | `further` | rgb, 0 |
-/// | 48..64 | `throughput` | rgb, 0 |
+/// | 48..64 | `throughput` | rgb, shininess of the lobe by which the chain goes on |
 /// | 64..80 | `emitted` | rgb, 0 |
 /// | 80..84 | `normal` | octahedral: x in bits 0..16, y in bits 16..32 |
 /// | 84..88 | `direction` | octahedral |
 /// | 88..92 | `seed` | any 32 bits |
-/// | 92..96 | `flags` | bit 0: [`VertexRecord::VALID`], 1: [`VertexRecord::SECONDARY`], 2: [`VertexRecord::VISIBLE_ONLY`]; the others are 0 |
+/// | 92..96 | `flags` | bit 0: [`VertexRecord::VALID`], 1: [`VertexRecord::SECONDARY`], 2: [`VertexRecord::VISIBLE_ONLY`], 3: [`VertexRecord::GUIDE`]; bits 8..12: [`VertexRecord::layer`]; the others are 0 |
+///
+/// # Mixed materials
+/// A vertex splits by lobe. A record stands for the *diffuse* lobe only: `direct` and `further` are incident light
+/// weighted by cos/π times what of it enters the diffuse layer, 1 − F(n·l), and `throughput` holds albedo·(1 − F(n·v)).
+/// Light by all other lobes goes on along the path: to `emitted` when it meets an emitter, or to the next vertex. A
+/// pixel may have several records then, one for each vertex of its chain of mirroring and transmitting lobes.
 ///
 /// A worked example of an octahedral word stands in [`crate::pack`].
 ///
@@ -56,7 +62,9 @@ pub struct VertexRecord {
     pub direct: [f32; 4],
     /// Illumination that arrives after a further scattering; w is 0.
     pub further: [f32; 4],
-    /// Product of all scattering weights from the camera to this vertex, its albedo included; w is 0.
+    /// Product of all scattering weights from the camera to this vertex, its diffuse albedo included, over the
+    /// probabilities of the choices made; w: shininess, 1 − roughness, of the lobe by which the pixel's chain goes on
+    /// from here to the next layer: 1 for a perfect mirror, 0 where it goes no further.
     pub throughput: [f32; 4],
     /// Light of the path that does not pass through this vertex's diffuse lobe; w is 0.
     pub emitted: [f32; 4],
@@ -66,7 +74,8 @@ pub struct VertexRecord {
     pub direction: u32,
     /// Seed of the vertex's random decisions (jitter), unique to pixel and sample.
     pub seed: u32,
-    /// [`VertexRecord::VALID`], [`VertexRecord::SECONDARY`], [`VertexRecord::VISIBLE_ONLY`].
+    /// [`VertexRecord::VALID`], [`VertexRecord::SECONDARY`], [`VertexRecord::VISIBLE_ONLY`],
+    /// [`VertexRecord::GUIDE`], and [`VertexRecord::layer`] in bits 8..12.
     pub flags: u32,
 }
 
@@ -80,6 +89,48 @@ impl VertexRecord {
 
     /// Flag: a vertex that asks a cache and never feeds it: `further` is not known and 0.
     pub const VISIBLE_ONLY: u32 = 4;
+
+    /// Flag: a vertex without a diffuse lobe (mirror, glass): position, footprint and normal guide a filter, and there
+    /// is nothing to cache. Never together with [`VertexRecord::VALID`]; only `emitted` counts.
+    pub const GUIDE: u32 = 8;
+
+    /// First bit of [`VertexRecord::layer`] in `flags`.
+    pub const LAYER_SHIFT: u32 = 8;
+
+    /// Largest [`VertexRecord::layer`]; deeper vertices have this one.
+    pub const MAX_LAYER: u32 = 15;
+
+    /// The bits of `flags` for a vertex behind so many scatterings by lobes that are not diffuse.
+    ///
+    /// ```
+    /// # use hashcache_core::record::VertexRecord;
+    /// assert_eq!(VertexRecord::layer_bits(2), 2 << VertexRecord::LAYER_SHIFT);
+    /// assert_eq!(VertexRecord::layer_bits(100), VertexRecord::layer_bits(VertexRecord::MAX_LAYER));
+    /// ```
+    #[inline]
+    pub const fn layer_bits(layer: u32) -> u32 {
+        (if layer < Self::MAX_LAYER { layer } else { Self::MAX_LAYER }) << Self::LAYER_SHIFT
+    }
+
+    /// Number of mirroring and transmitting scatterings between the camera and the vertex, at most
+    /// [`VertexRecord::MAX_LAYER`]; 0: seen directly.
+    #[inline]
+    pub const fn layer(&self) -> u32 {
+        (self.flags >> Self::LAYER_SHIFT) & Self::MAX_LAYER
+    }
+
+    /// Whether position, footprint and normal are those of a surface, with a diffuse lobe or without.
+    #[inline]
+    pub const fn is_guide(&self) -> bool {
+        self.flags & (Self::VALID | Self::GUIDE) != 0
+    }
+
+    /// 1 − roughness of the lobe by which the pixel's chain goes on from here; 0: it does not, or by a lobe as rough as
+    /// a diffuse one.
+    #[inline]
+    pub const fn shininess(&self) -> f32 {
+        self.throughput[3]
+    }
 
     /// Whether a cache may record the vertex: valid, and its light is known.
     #[inline]
