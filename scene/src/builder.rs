@@ -10,16 +10,48 @@ use pt_integrator::scene::{NONE, SceneData, TriangleShading};
 pub(crate) struct Builder {
     /// What there is so far. Materials are in it before the triangles that use them.
     pub data: SceneData,
+    /// Whether second texture coordinates are kept.
+    pub second_uv: bool,
+    /// Whether masks are kept.
+    pub masked: bool,
     first_triangle: u32,
     emitters: u32,
     /// Triangles of no area among those stored.
     pub degenerate: u64,
 }
 
+/// What few triangles have.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extra {
+    /// Second texture coordinates.
+    pub uv2: [[f32; 2]; 3],
+    /// Index of the mask, or [`NONE`].
+    pub mask: u32,
+    /// The coordinates that the mask reads.
+    pub mask_uv: [[f32; 2]; 3],
+}
+
+impl Extra {
+    /// Nothing.
+    pub const NOTHING: Self = Self { uv2: [[0.0; 2]; 3], mask: NONE, mask_uv: [[0.0; 2]; 3] };
+}
+
 impl Builder {
-    /// Adds a triangle to the mesh that is being built; `emits` says whether its material does.
-    pub fn triangle(&mut self, corners: [u32; 3], mut shading: TriangleShading, emits: bool) {
-        if emits {
+    /// Adds a triangle to the mesh that is being built.
+    pub fn triangle(&mut self, corners: [u32; 3], shading: TriangleShading) {
+        self.triangle_with(corners, shading, &Extra::NOTHING);
+    }
+
+    /// Adds a triangle with more than most have.
+    pub fn triangle_with(&mut self, corners: [u32; 3], mut shading: TriangleShading, extra: &Extra) {
+        if self.second_uv {
+            self.data.uv2.push(extra.uv2);
+        }
+        if self.masked {
+            self.data.opacity.mask_of_triangle.push(extra.mask);
+            self.data.opacity.uv.push(extra.mask_uv);
+        }
+        if self.data.materials[shading.material as usize].emits() {
             shading.emitter = self.emitters;
             self.emitters += 1;
         }

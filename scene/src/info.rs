@@ -29,7 +29,7 @@ pub struct Info {
     pub images: usize,
     /// Triangles that emit, as seen.
     pub emissive_triangles: u64,
-    /// Lights of `KHR_lights_punctual` (not modelled yet).
+    /// Lights without extent that give light.
     pub punctual_lights: usize,
     /// Perspective cameras.
     pub cameras: usize,
@@ -55,6 +55,7 @@ impl Info {
         self.degenerate = builder.degenerate;
         (self.meshes, self.instances) = (data.meshes.len(), data.instances.len());
         (self.materials, self.textures) = (data.materials.len(), data.textures.len());
+        self.punctual_lights = data.punctual_lights.len();
         let emissive: Vec<u64> = data
             .meshes
             .iter()

@@ -53,7 +53,9 @@ pub mod environment;
 mod error;
 mod import;
 mod info;
+mod parallel;
 mod path;
+mod progress;
 mod texture;
 mod view;
 mod warning;
@@ -68,6 +70,7 @@ pub use error::SceneError;
 pub use glam;
 pub use info::{Extension, Info};
 pub use path::{CameraKey, CameraPath};
+pub use progress::Progress;
 pub use view::View;
 pub use warning::Warning;
 
@@ -85,13 +88,15 @@ pub struct LoadOptions {
     pub max_triangles: u32,
     /// Most texels of all textures together, and of an environment: 2²⁸ by default, 1 GiB of texture texels.
     pub max_texels: u32,
-    /// Most bytes of a file, and of all buffers together: 4 GiB by default.
+    /// Most bytes of a file, of all buffers together, and of all image files together: 4 GiB by default.
     pub max_bytes: u64,
+    /// Threads that decode images; 0, the default, is all that the machine has. The result does not depend on it.
+    pub threads: usize,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { max_triangles: 1 << 27, max_texels: 1 << 28, max_bytes: 4 << 30 }
+        Self { max_triangles: 1 << 27, max_texels: 1 << 28, max_bytes: 4 << 30, threads: 0 }
     }
 }
 
@@ -122,13 +127,30 @@ pub struct Loaded {
 /// [`SceneError`], whose `Display` is one line with file, place and advice. A scene without cameras is no error here;
 /// [`Loaded::view`] says so when one is needed.
 pub fn load(source: &str, options: &LoadOptions) -> Result<Loaded, SceneError> {
+    load_with_progress(source, options, &progress::nobody)
+}
+
+/// Like [`load`], and tells `progress` how far it is: from any of its threads, one call at a time.
+///
+/// # Errors
+/// As for [`load`].
+///
+/// ```
+/// let tell = |p: scene::Progress| println!("{} {}/{}", p.what, p.done, p.total);
+/// assert!(scene::load_with_progress("nothing.glb", &scene::LoadOptions::default(), &tell).is_err());
+/// ```
+pub fn load_with_progress(
+    source: &str,
+    options: &LoadOptions,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Loaded, SceneError> {
     if let Some(name) = source.strip_prefix(SCHEME) {
         return builtin::load(name);
     }
     let path = Path::new(source);
     let extension = path.extension().unwrap_or_default();
     if extension.eq_ignore_ascii_case("gltf") || extension.eq_ignore_ascii_case("glb") {
-        import::load(path, options)
+        import::load(path, options, progress)
     } else {
         Err(SceneError::UnknownFormat { source_name: error::one_line(source) })
     }

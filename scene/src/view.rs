@@ -143,7 +143,7 @@ impl View {
 }
 
 /// The vector's direction, whatever its length: scaled first, so that no square overflows.
-fn unit(v: DVec3) -> Option<DVec3> {
+pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
     let largest = v.abs().max_element();
     (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
 }

@@ -12,9 +12,8 @@ pub(super) fn rectangle(builder: &mut Builder, to_scene: DMat4, material: u32) {
         let p = to_scene.transform_point3(DVec3::new(x, y, 0.0));
         builder.data.positions.push(p.as_vec3().to_array());
     }
-    let emits = builder.data.materials[material as usize].emits();
     for corners in [[0, 1, 2], [0, 2, 3]] {
-        builder.triangle(corners.map(|v| base + v), TriangleShading::flat(material), emits);
+        builder.triangle(corners.map(|v| base + v), TriangleShading::flat(material));
     }
 }
 
@@ -45,14 +44,13 @@ pub(super) fn parallelogram(builder: &mut Builder, [corner, a, b]: [DVec3; 3], r
         let p = corner + a * f64::from(u) + b * f64::from(v);
         builder.data.positions.push(p.as_vec3().to_array());
     }
-    let emits = builder.data.materials[material as usize].emits();
     for triangle in [[0_u32, 1, 2], [0, 2, 3]] {
         let uv = triangle.map(|i| {
             let (u, v) = corners[i as usize];
             [u as f32 * repeats[0], v as f32 * repeats[1]]
         });
         let shading = TriangleShading { uv, ..TriangleShading::flat(material) };
-        builder.triangle(triangle.map(|i| base + i), shading, emits);
+        builder.triangle(triangle.map(|i| base + i), shading);
     }
 }
 
@@ -85,7 +83,6 @@ pub(super) fn surface(builder: &mut Builder, steps: [u32; 2], material: u32, poi
             normals.push(pack_normal(du.normalize_or_zero().cross(dv.normalize_or_zero()).as_vec3()));
         }
     }
-    let emits = builder.data.materials[material as usize].emits();
     let width = steps[0] + 1;
     for cell in 0..steps[0] * steps[1] {
         let a = cell / steps[0] * width + cell % steps[0];
@@ -100,7 +97,7 @@ pub(super) fn surface(builder: &mut Builder, steps: [u32; 2], material: u32, poi
             if let [Some(n), Some(m), Some(o)] = corners.map(|i| normals[i as usize]) {
                 shading.normals = [n, m, o];
             }
-            builder.triangle(corners.map(|i| base + i), shading, emits);
+            builder.triangle(corners.map(|i| base + i), shading);
         }
     }
 }

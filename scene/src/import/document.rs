@@ -13,8 +13,18 @@ use crate::LoadOptions;
 use crate::error::{At, SceneError, one_line};
 
 /// Extensions whose meaning is respected in full. Any other in `extensionsRequired` is refused, as glTF asks for.
-pub(crate) const SUPPORTED: [&str; 3] =
-    ["KHR_materials_emissive_strength", "KHR_materials_specular", "KHR_mesh_quantization"];
+pub(crate) const SUPPORTED: [&str; 10] = [
+    "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
 
 /// A parsed file. All indices in [`Document::root`] have been checked, except that 64-bit ones wrap to 32 bits.
 pub(crate) struct Document {

@@ -7,13 +7,13 @@ use gltf::json;
 use json::accessor::Type;
 use json::mesh::{Mode, Semantic};
 use json::validation::Checked;
-use pt_integrator::scene::{NONE, TriangleShading};
+use pt_integrator::scene::{Material, NONE, TriangleShading};
 
 use super::accessor::{Elements, elements};
 use super::document::Document;
 use super::features;
 use super::material::{Materials, Surface};
-use crate::builder::{Builder, pack_normal};
+use crate::builder::{Builder, Extra, pack_normal};
 use crate::error::SceneError;
 use crate::warning::Warnings;
 
@@ -24,7 +24,8 @@ pub(crate) struct Primitive<'a> {
     positions_accessor: usize,
     positions: Elements<'a>,
     normals: Option<Elements<'a>>,
-    uv: Option<Elements<'a>>,
+    /// First and second texture coordinates.
+    uv: [Option<Elements<'a>>; 2],
     /// The accessor's index and its elements.
     indices: Option<(usize, Elements<'a>)>,
     mode: Mode,
@@ -45,6 +46,29 @@ pub(crate) struct MeshSource<'a> {
     pub triangles: u64,
     /// Number of vertices, those shared by primitives once.
     pub vertices: u64,
+}
+
+impl MeshSource<'_> {
+    /// Whether a primitive has second texture coordinates.
+    pub fn has_second_uv(&self) -> bool {
+        self.primitives.iter().any(|p| p.uv[1].is_some())
+    }
+}
+
+/// Where triangles go.
+pub(crate) struct Target<'b> {
+    /// The scene; its materials are complete.
+    pub builder: &'b mut Builder,
+    /// Index of each material's mask, or [`NONE`].
+    pub mask_of_material: &'b [u32],
+    /// Triangles written so far are told to it.
+    pub progress: &'b mut dyn FnMut(u64),
+}
+
+impl Target<'_> {
+    fn surface(&self, material: u32) -> (&Material, u32) {
+        (&self.builder.data.materials[material as usize], self.mask_of_material[material as usize])
+    }
 }
 
 /// How a mesh's vertices become the scene's.
@@ -120,18 +144,22 @@ fn prepare_primitive<'a>(
         Err(at.malformed(format!("{place}/attributes/{name}"), what))
     };
     let surface = materials.surface(source.material.map(|m| m.value()), warnings)?;
-    // The side on which a triangle emits is its own, so it is shaded by its own normal.
-    let normals = accessor(Semantic::Normals).filter(|_| !surface.emits);
+    let normals = accessor(Semantic::Normals);
     let normals = normals.map(|a| same_count("NORMAL", elements(document, a, &[Type::Vec3])?)).transpose()?;
-    let mut uv = None;
-    if let Some(set) = surface.tex_coord {
+    let mut uv = [None; 2];
+    for (uv, set) in uv.iter_mut().zip(surface.sets) {
+        let Some(set) = set else { continue };
         let name = format!("TEXCOORD_{set}");
         if let Some(a) = accessor(Semantic::TexCoords(set)) {
-            uv = Some(same_count(&name, elements(document, a, &[Type::Vec2])?)?);
+            *uv = Some(same_count(&name, elements(document, a, &[Type::Vec2])?)?);
         } else {
             let what = "textured primitives without the texture's coordinates show its upper left corner";
             warnings.add(what, || format!("{place}/attributes"));
         }
+    }
+    if surface.normal_map && accessor(Semantic::Tangents).is_some() {
+        let what = "tangents in the file are ignored: normal maps stand in the frame of their texture coordinates";
+        warnings.add(what, || format!("{place}/attributes/TANGENT"));
     }
     let indices = source.indices.map(|a| a.value());
     let indices = indices.map(|a| Ok((a, elements(document, a, &[Type::Scalar])?))).transpose()?;
@@ -149,22 +177,23 @@ impl MeshSource<'_> {
         &self,
         document: &Document,
         placement: &Placement,
-        builder: &mut Builder,
+        target: &mut Target,
         warnings: &mut Warnings,
     ) -> Result<(), SceneError> {
         let mut bases = HashMap::new();
         for primitive in &self.primitives {
             let base = *bases.entry(primitive.positions_accessor).or_insert_with(|| {
-                let base = builder.data.positions.len() as u32;
+                let positions = &mut target.builder.data.positions;
+                let base = positions.len() as u32;
                 let place = |p: [f32; 3]| {
                     let p = placement.map.transform_point3(DVec3::from_array(p.map(f64::from)));
                     (p - placement.origin).as_vec3().to_array()
                 };
-                builder.data.positions.extend(primitive.positions.floats().map(place));
+                positions.extend(primitive.positions.floats().map(place));
                 base
             });
             let place = || format!("/meshes/{}/primitives/{}", self.index, primitive.index);
-            primitive.write(document, &place, &placement.map, base, builder, warnings)?;
+            primitive.write(document, &place, &placement.map, base, target, warnings)?;
         }
         Ok(())
     }
@@ -177,34 +206,42 @@ impl Primitive<'_> {
         place: &dyn Fn() -> String,
         map: &DAffine3,
         base: u32,
-        builder: &mut Builder,
+        target: &mut Target,
         warnings: &mut Warnings,
     ) -> Result<(), SceneError> {
         let count = self.positions.count;
         let corners = self.corners(document)?;
         let (cofactor, mirrored) = cofactor(&map.matrix3);
+        let (material, mask) = target.surface(self.surface.index);
+        // The side on which a lamp emits is its triangles' own, so they are shaded by their own normals.
+        let normals = self.normals.filter(|_| !material.shades_flat());
         let normals: Option<Vec<u32>> =
-            self.normals.map(|e| e.floats().map(|n| transform_normal(&cofactor, n).unwrap_or(NONE)).collect());
-        let (uv, replaced) = self.coordinates();
-        let what = "texture coordinates that are not finite are read as 0";
-        warnings.add_many(what, replaced, || format!("{}/attributes", place()));
+            normals.map(|e| e.floats().map(|n| transform_normal(&cofactor, n).unwrap_or(NONE)).collect());
+        let uv = self.uv.map(|e| {
+            let (uv, replaced) = coordinates(e?);
+            let what = "texture coordinates that are not finite are read as 0";
+            warnings.add_many(what, replaced, || format!("{}/attributes", place()));
+            Some(uv)
+        });
         let mut without = 0;
         for i in 0..self.triangles as usize {
             let [a, b, c] = triangle(self.mode, i).map(|k| corners.get(k));
-            let [a, b, c] = if mirrored { [a, c, b] } else { [a, b, c] };
-            debug_assert!([a, b, c].iter().all(|&v| (v as usize) < count));
+            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
+            debug_assert!(corners.iter().all(|&v| (v as usize) < count));
             let mut shading = TriangleShading::flat(self.surface.index);
             if let Some(normals) = &normals {
-                let n = [a, b, c].map(|v| normals[v as usize]);
+                let n = corners.map(|v| normals[v as usize]);
                 if n.contains(&NONE) { without += 1 } else { shading.normals = n }
             }
-            if let Some(uv) = &uv {
-                shading.uv = [a, b, c].map(|v| uv[v as usize]);
-            }
-            builder.triangle([a, b, c].map(|v| base + v), shading, self.surface.emits);
+            let [first, second] =
+                [0, 1].map(|set| uv[set].as_ref().map_or([[0.0; 2]; 3], |uv| corners.map(|v| uv[v as usize])));
+            shading.uv = first;
+            let extra = Extra { uv2: second, mask, mask_uv: first };
+            target.builder.triangle_with(corners.map(|v| base + v), shading, &extra);
         }
         let what = "triangles with a vertex normal that has no direction are shaded by their own normal";
         warnings.add_many(what, without, || format!("{}/attributes/NORMAL", place()));
+        (target.progress)(self.triangles);
         Ok(())
     }
 
@@ -223,20 +260,17 @@ impl Primitive<'_> {
             }
         }
     }
+}
 
-    /// Texture coordinates, and how many were replaced because they were not finite.
-    fn coordinates(&self) -> (Option<Vec<[f32; 2]>>, usize) {
-        let mut replaced = 0;
-        let uv = self.uv.map(|e| {
-            let finite = |uv: [f32; 2]| {
-                let good = uv.iter().all(|x| x.is_finite());
-                replaced += usize::from(!good);
-                if good { uv } else { [0.0; 2] }
-            };
-            e.floats().map(finite).collect()
-        });
-        (uv, replaced)
-    }
+/// Texture coordinates, and how many were replaced because they were not finite.
+fn coordinates(elements: Elements) -> (Vec<[f32; 2]>, usize) {
+    let mut replaced = 0;
+    let finite = |uv: [f32; 2]| {
+        let good = uv.iter().all(|x| x.is_finite());
+        replaced += usize::from(!good);
+        if good { uv } else { [0.0; 2] }
+    };
+    (elements.floats().map(finite).collect(), replaced)
 }
 
 /// Which vertex a corner is.

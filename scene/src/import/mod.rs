@@ -1,12 +1,19 @@
 //! glTF 2.0 and GLB files.
 
 mod accessor;
+mod clearcoat;
+mod convert;
 mod document;
 mod features;
+mod images;
+mod light;
 mod material;
 mod mesh;
 mod nodes;
+mod opacity;
+mod reference;
 pub(crate) mod resource;
+mod textures;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,11 +23,12 @@ use hashcache_core::geometry::Instance;
 
 use self::document::{Document, SUPPORTED};
 use self::material::Materials;
-use self::mesh::{MeshSource, Placement};
+use self::mesh::{MeshSource, Placement, Target};
 use self::nodes::{Graph, Placed};
 use crate::builder::{Builder, origin};
 use crate::error::{SceneError, one_line};
 use crate::info::{Extension, Info};
+use crate::progress::{Listener, Progress};
 use crate::warning::Warnings;
 use crate::{LoadOptions, Loaded};
 
@@ -28,14 +36,14 @@ use crate::{LoadOptions, Loaded};
 const LARGEST_EXTENT: f64 = 1e12;
 
 /// Loads a glTF or GLB file.
-pub(crate) fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, SceneError> {
-    import(&Document::open(path, options)?, options)
+pub(crate) fn load(path: &Path, options: &LoadOptions, progress: Listener) -> Result<Loaded, SceneError> {
+    import(&Document::open(path, options)?, options, progress)
 }
 
-fn import(document: &Document, options: &LoadOptions) -> Result<Loaded, SceneError> {
+fn import(document: &Document, options: &LoadOptions, progress: Listener) -> Result<Loaded, SceneError> {
     let mut warnings = Warnings::default();
     let graph = nodes::walk(document, &mut warnings)?;
-    let mut materials = Materials::new(document, options);
+    let mut materials = Materials::new(document);
     let mut meshes: BTreeMap<usize, MeshSource> = BTreeMap::new();
     for placed in &graph.placed {
         if let std::collections::btree_map::Entry::Vacant(entry) = meshes.entry(placed.mesh) {
@@ -43,20 +51,38 @@ fn import(document: &Document, options: &LoadOptions) -> Result<Loaded, SceneErr
         }
     }
     let plan = plan(document, &graph, &meshes, options)?;
+    let mut lights = Vec::new();
+    for placed in &graph.lights {
+        lights.extend(light::punctual(document, placed, plan.origin, &mut warnings)?);
+    }
+    let look = materials.finish(options, progress, &mut warnings)?;
     let mut builder = Builder::default();
-    let images = materials.images();
-    builder.data.materials = materials.list;
-    builder.data.textures = materials.textures;
-    builder.data.texels = materials.texels;
-    builder.data.positions.reserve_exact(plan.vertices as usize);
-    builder.data.indices.reserve_exact(plan.triangles as usize);
-    builder.data.triangle_shading.reserve_exact(plan.triangles as usize);
-    write(document, &plan, &mut builder, &mut warnings)?;
+    builder.second_uv = meshes.values().any(MeshSource::has_second_uv);
+    builder.masked = !look.opacity.masks.is_empty();
+    let data = &mut builder.data;
+    (data.materials, data.textures, data.texels, data.opacity) =
+        (look.materials, look.textures, look.texels, look.opacity);
+    data.punctual_lights = lights;
+    let triangles = plan.triangles as usize;
+    data.positions.reserve_exact(plan.vertices as usize);
+    data.indices.reserve_exact(triangles);
+    data.triangle_shading.reserve_exact(triangles);
+    data.uv2.reserve_exact(if builder.second_uv { triangles } else { 0 });
+    let masks = if builder.masked { triangles } else { 0 };
+    data.opacity.mask_of_triangle.reserve_exact(masks);
+    data.opacity.uv.reserve_exact(masks);
+    let (mut done, total) = (0, plan.triangles);
+    let mut tell = |more: u64| {
+        done += more;
+        progress(Progress { what: "triangles", done, total });
+    };
+    tell(0);
+    let mut target = Target { builder: &mut builder, mask_of_material: &look.mask_of_material, progress: &mut tell };
+    write(document, &plan, &mut target, &mut warnings)?;
     features::file(&document.root, &mut warnings);
     let info = Info {
         extent: plan.bounds.map(|b| b.to_array()),
-        images,
-        punctual_lights: graph.lights,
+        images: look.images,
         extensions: extensions(document),
         ..Info::default()
     };
@@ -150,15 +176,16 @@ fn invertible(world: &DAffine3) -> bool {
     m.determinant().abs() > FLATTEST * lengths
 }
 
-fn write(document: &Document, plan: &Plan, builder: &mut Builder, warnings: &mut Warnings) -> Result<(), SceneError> {
+fn write(document: &Document, plan: &Plan, target: &mut Target, warnings: &mut Warnings) -> Result<(), SceneError> {
     for (mesh, world) in &plan.baked {
-        mesh.write(document, &Placement { map: *world, origin: plan.origin }, builder, warnings)?;
+        mesh.write(document, &Placement { map: *world, origin: plan.origin }, target, warnings)?;
     }
-    builder.finish_world_mesh();
+    target.builder.finish_world_mesh();
     for (mesh, worlds) in &plan.shared {
         // The mesh's own coordinates are re-centred too: far from its own zero they would lose their last bits.
         let centre = origin(mesh.bounds[0], mesh.bounds[1]);
-        mesh.write(document, &Placement { map: DAffine3::IDENTITY, origin: centre }, builder, warnings)?;
+        mesh.write(document, &Placement { map: DAffine3::IDENTITY, origin: centre }, target, warnings)?;
+        let builder = &mut *target.builder;
         let Some(index) = builder.finish_mesh() else { continue };
         for world in worlds {
             let to_scene = DAffine3::from_translation(-plan.origin) * *world * DAffine3::from_translation(centre);

@@ -6,6 +6,7 @@ use json::camera::Type;
 use json::validation::Checked;
 
 use super::document::{Document, escape};
+use super::light::PlacedLight;
 use crate::error::SceneError;
 use crate::view::View;
 use crate::warning::Warnings;
@@ -25,8 +26,8 @@ pub(crate) struct Graph {
     pub placed: Vec<Placed>,
     /// Perspective cameras, depth first.
     pub views: Vec<View>,
-    /// Lights of `KHR_lights_punctual`.
-    pub lights: usize,
+    /// Lights of `KHR_lights_punctual`, depth first.
+    pub lights: Vec<PlacedLight>,
 }
 
 /// Walks the default scene (the first one when none is named), depth first, children in their order.
@@ -60,19 +61,21 @@ pub(crate) fn walk(document: &Document, warnings: &mut Warnings) -> Result<Graph
         if let Some(camera) = node.camera {
             add_view(document, &mut graph, warnings, node, camera.value(), &world)?;
         }
-        features(node, &place, &mut graph, warnings);
+        if let Some(light) = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref()) {
+            graph.lights.push(PlacedLight { light: light.light.value(), world });
+        }
+        features(node, &place, warnings);
         stack.extend(node.children.iter().flatten().rev().map(|n| (n.value(), world)));
     }
     Ok(graph)
 }
 
 /// Names what a node holds beyond mesh, camera and transform.
-fn features(node: &json::Node, place: &str, graph: &mut Graph, warnings: &mut Warnings) {
+fn features(node: &json::Node, place: &str, warnings: &mut Warnings) {
     if node.skin.is_some() {
         warnings.add("skins are not modelled; the mesh is shown unskinned", || format!("{place}/skin"));
     }
     for name in node.extensions.iter().flat_map(|e| e.others.keys()) {
-        graph.lights += usize::from(name == "KHR_lights_punctual");
         super::features::foreign(warnings, name, || format!("{place}/extensions/{}", escape(name)));
     }
 }
