@@ -1,7 +1,7 @@
 //! A scene as path tracing reads it.
 
 use bytemuck::Pod;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::light::{AliasEntry, EnvironmentSample, EnvironmentView, TriangleLight};
 use crate::packed::{SceneHeader, SceneInstance, SceneTriangle, Section};
@@ -74,12 +74,29 @@ impl<'a> SceneView<'a> {
         Needs::from_bits(self.header.needs)
     }
 
+    /// Whether next-event estimation has anything to sample.
+    #[inline]
+    pub fn has_sampled_lights(&self) -> bool {
+        !self.alias.is_empty() || self.environment.width != 0
+    }
+
+    /// The coordinates of a triangle's corners that this texture reads; zeros when the scene has none of that set.
+    #[inline]
+    pub(crate) fn coordinates(&self, texture: &Texture, triangle: u32) -> [Vec2; 3] {
+        let uv = if texture.flags & Texture::SECOND_UV == 0 {
+            self.triangles[triangle as usize].uv
+        } else {
+            self.second_uv.get(triangle as usize).copied().unwrap_or_default()
+        };
+        uv.map(Vec2::from_array)
+    }
+
     /// What a ray sees that leaves the scene in `direction`, and with which density next-event estimation would have
     /// chosen it. `NEEDS` as in [`crate::light::sample_light`].
     #[inline]
     pub(crate) fn outside<const NEEDS: u32>(&self, direction: Vec3) -> EnvironmentSample {
         let [r, g, b, _] = self.header.constant_environment;
-        if NEEDS & Needs::ENVIRONMENT_IMAGE == 0 {
+        if NEEDS & Needs::ENVIRONMENT_IMAGE == 0 || self.environment.width == 0 {
             return EnvironmentSample { radiance: Vec3::new(r, g, b), pdf: 0.0 };
         }
         let seen = self.environment.evaluate(direction);

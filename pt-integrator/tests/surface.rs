@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use pt_integrator::glam::{Mat3, Vec3};
 use pt_integrator::packed::PackedScene;
 use pt_integrator::ray::ray_towards;
-use pt_integrator::scene::{Material, SceneData};
+use pt_integrator::scene::{Material, Needs, SceneData};
 use pt_integrator::surface::Surface;
 
 fn ball() -> SceneData {
@@ -72,8 +72,8 @@ proptest! {
                 return Err(TestCaseError::reject("between two triangles"));
             };
             prop_assume!(hit.triangle == other.triangle);
-            let a = Surface::at(&packed.view(), &hit, ray.direction);
-            let b = Surface::at(&in_place.view(), &other, ray.direction);
+            let a = Surface::at::<{ Needs::ALL }>(&packed.view(), &hit, ray.direction);
+            let b = Surface::at::<{ Needs::ALL }>(&in_place.view(), &other, ray.direction);
             prop_assert!(a.position.distance(b.position) < 1e-3);
             prop_assert!(a.face.distance(b.face) < 1e-2, "{:?} {:?}", a.face, b.face);
             prop_assert!(a.normal.distance(b.normal) < 1e-2 || a.normal.dot(ray.direction).abs() < 1e-2);

@@ -117,8 +117,8 @@ fn scattering_only(view: &SceneView<'_>, caster: &BruteForce, sampler: &mut Inde
             let [r, g, b, _] = view.header.constant_environment;
             return sum + weight * (Vec3::new(r, g, b) + view.environment.evaluate(ray.direction).radiance);
         };
-        let surface = Surface::at(view, &hit, ray.direction);
-        sum += weight * surface.emission();
+        let surface = Surface::at::<{ Needs::ALL }>(view, &hit, ray.direction);
+        sum += weight * surface.emission::<{ Needs::ALL }>(view);
         weight *= surface.albedo::<{ Needs::ALL }>(view);
         let local = sample_cosine(sampler.next_2d());
         let direction = Basis::new(surface.normal).to_scene(local.truncate(), local.z);

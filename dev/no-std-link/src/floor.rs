@@ -16,7 +16,7 @@ pub fn triangle() -> SceneTriangle {
         vertices: CORNERS.map(|position| PackedVertex { position, normal: NONE }),
         uv: [[0.0; 2]; 3],
         material: 0,
-        reserved: 0,
+        emitter: NONE,
     }
 }
 

@@ -78,6 +78,7 @@ impl EnvironmentView<'_> {
         if self.width == 0 || !direction.is_finite() {
             return EnvironmentSample { radiance: Vec3::ZERO, pdf: 0.0 };
         }
+        let direction = self.turned(direction, -1.0);
         let sine = float::sqrt(direction.x * direction.x + direction.z * direction.z);
         // The arc tangent keeps the polar angle exact near the poles, where the arc cosine loses half of the bits.
         let v = float::atan2(sine, direction.y) * FRAC_1_PI;
@@ -114,7 +115,7 @@ impl EnvironmentView<'_> {
         let (sine_azimuth, cosine_azimuth) = float::sin_cos(azimuth);
         let radiance = self.radiance(&place);
         let pdf = self.density(&place, radiance, sine) * probability;
-        let direction = Vec3::new(sine * sine_azimuth, cosine, -sine * cosine_azimuth);
+        let direction = self.turned(Vec3::new(sine * sine_azimuth, cosine, -sine * cosine_azimuth), 1.0);
         (pdf > 0.0 && pdf <= f32::MAX).then_some(LightSample {
             direction,
             target: None,
@@ -122,6 +123,17 @@ impl EnvironmentView<'_> {
             pdf,
             is_delta: false,
         })
+    }
+
+    /// A direction turned with the image (`sense` 1) or back into it (−1).
+    #[inline]
+    fn turned(&self, direction: Vec3, sense: f32) -> Vec3 {
+        let [cosine, sine] = self.rotation;
+        if sine == 0.0 && cosine == 1.0 {
+            return direction;
+        }
+        let (x, z, sine) = (direction.x, direction.z, sine * sense);
+        Vec3::new(cosine * x + sine * z, direction.y, cosine * z - sine * x)
     }
 
     #[inline]

@@ -2,21 +2,23 @@
 
 use alloc::vec::Vec;
 
-use glam::Vec3;
 use hashcache_core::float;
 use hashcache_core::geometry::Mesh;
 
-use super::{AliasEntry, EnvironmentTables, TriangleLight, build_alias, luminance, triangle_density};
+use super::candidate::{Candidate, candidate, mean_emissions};
+use super::{AliasEntry, EnvironmentTables, TriangleLight, build_alias, triangle_density};
 use crate::packed::{SceneInstance, SceneTriangle};
-use crate::scene::{Environment, Material, SceneData};
-use crate::surface::{place, triangle_offset};
+use crate::scene::{Environment, Material, NONE, PunctualLight, SceneData};
 
-/// Emissive triangles by power, and the environment beside them.
+/// Emissive triangles and lights without extent by power, and the environment beside them.
 #[derive(Clone, Debug, Default)]
 pub struct LightList {
-    /// Every (instance, triangle) that emits and has an area.
+    /// Every (instance, triangle) that emits and has an area; in a scene with emission textures those without one too,
+    /// so that a hit finds its light.
     pub triangles: Vec<TriangleLight>,
-    /// Chooses one of `triangles` by power.
+    /// Lights without extent, each with the probability of its choice in `range[1]`.
+    pub punctual: Vec<PunctualLight>,
+    /// Chooses one of `triangles` and, behind them, `punctual` by power.
     pub alias: Vec<AliasEntry>,
     /// What a radiance's luminance is multiplied by to give the density of its triangles' points by area.
     pub density_per_luminance: f32,
@@ -35,60 +37,93 @@ pub struct LightList {
 /// only.
 const ENVIRONMENT_SHARE: (f64, f64) = (0.25, 0.75);
 
-/// A triangle as an emitter, and how much of the light it gives.
-struct Candidate {
-    light: TriangleLight,
-    area: f64,
-    radiance: Vec3,
-    sides: f64,
-}
-
 impl LightList {
-    /// The emitters of a scene; `radius` is that of a sphere about it, for the environment's power.
+    /// The emitters of a scene; `radius` is that of a sphere about it, for the power of what shines from outside.
+    /// Writes each triangle's [`SceneTriangle::emitter`] and each instance's [`SceneInstance::first_light`].
     pub(crate) fn new(
         scene: &SceneData,
-        triangles: &[SceneTriangle],
-        instances: &[SceneInstance],
+        triangles: &mut [SceneTriangle],
+        instances: &mut [SceneInstance],
         materials: &[Material],
         radius: f32,
     ) -> Self {
-        let candidates = candidates(&scene.meshes, triangles, instances, materials);
-        let weight = |c: &Candidate| c.area * f64::from(luminance(c.radiance)) * c.sides;
-        let power: f64 = candidates.iter().map(weight).sum();
-        let environment = match &scene.environment {
-            Some(Environment::Image(image)) => EnvironmentTables::new(image),
-            _ => None,
-        };
-        let (sine, cosine) = float::sin_cos(scene.environment_rotation);
-        let rotation = [cosine, sine];
-        let share = match &environment {
+        let textured = materials.iter().any(|m| m.emits() && m.textures[Material::EMISSION] != NONE);
+        let means = if textured { mean_emissions(scene, triangles, materials) } else { Vec::new() };
+        number_emitters(&scene.meshes, triangles, materials, &means);
+        let found = candidates(&scene.meshes, triangles, instances, materials, &means);
+        let (environment, rotation) = environment(scene);
+        let list = Self { environment, rotation, ..Self::default() };
+
+        // All powers over π: π·area·radiance of a triangle, and flux through the scene's cross-section π·radius².
+        let squared = f64::from(radius) * f64::from(radius);
+        let punctual = scene.punctual_lights.iter().map(|light| light.power_over_pi(squared));
+        let weights: Vec<f64> = found.iter().map(Candidate::weight).chain(punctual).collect();
+        let power: f64 = weights.iter().sum();
+        let share = match &list.environment {
             None => 0.0,
-            Some(_) if candidates.is_empty() => 1.0,
+            Some(_) if weights.is_empty() => 1.0,
             Some(tables) => {
-                // Both powers over π: π·area·radiance, and flux through the scene's cross-section π·radius².
-                let outside = tables.flux * f64::from(radius) * f64::from(radius);
+                let outside = tables.flux * squared;
                 (outside / (outside + power)).clamp(ENVIRONMENT_SHARE.0, ENVIRONMENT_SHARE.1)
             }
         };
         let scale = ((1.0 - share) / power) as f32;
-        if candidates.is_empty() || !(scale > 0.0 && scale.is_finite()) {
-            let environment_probability = if environment.is_some() { 1.0 } else { 0.0 };
-            return Self { environment_probability, environment, rotation, ..Self::default() };
+        if weights.is_empty() || !(scale > 0.0 && scale.is_finite()) {
+            let environment_probability = if list.environment.is_some() { 1.0 } else { 0.0 };
+            return Self { environment_probability, ..list };
         }
-        let weights: Vec<f64> = candidates.iter().map(weight).collect();
-        let lights = candidates.iter().map(|c| {
+        let lights = found.iter().map(|c| {
             let mut light = c.light;
             light.edge1[3] = triangle_density(c.radiance, c.sides > 1.0, scale);
             light
         });
+        let chosen = weights[found.len()..].iter().map(|weight| (weight / power * (1.0 - share)) as f32);
+        let punctual = scene.punctual_lights.iter().zip(chosen).map(|(light, chosen)| {
+            let mut light = *light;
+            light.range[1] = chosen;
+            light
+        });
         Self {
             triangles: lights.collect(),
+            punctual: punctual.collect(),
             alias: build_alias(&weights),
             density_per_luminance: scale,
             environment_probability: share as f32,
-            environment,
-            rotation,
-            emitters: Vec::new(),
+            emitters: if textured { found.iter().map(|c| c.triangle).collect() } else { Vec::new() },
+            ..list
+        }
+    }
+}
+
+/// Tables of the scene's environment image, and cosine and sine of its angle.
+fn environment(scene: &SceneData) -> (Option<EnvironmentTables>, [f32; 2]) {
+    let (sine, cosine) = float::sin_cos(scene.environment_rotation);
+    let tables = match &scene.environment {
+        Some(Environment::Image(image)) => EnvironmentTables::new(image),
+        _ => None,
+    };
+    (tables, [cosine, sine])
+}
+
+/// Whether a triangle emits anywhere; `means` as of [`mean_emissions`].
+fn emits(triangle: usize, material: &Material, means: &[f32]) -> bool {
+    material.emits() && (material.textures[Material::EMISSION] == NONE || means[triangle] > 0.0)
+}
+
+fn run(mesh: &Mesh) -> core::ops::Range<usize> {
+    mesh.first_triangle as usize..(mesh.first_triangle + mesh.triangle_count) as usize
+}
+
+fn number_emitters(meshes: &[Mesh], triangles: &mut [SceneTriangle], materials: &[Material], means: &[f32]) {
+    for mesh in meshes {
+        let mut next = 0;
+        for index in run(mesh) {
+            let triangle = &mut triangles[index];
+            triangle.emitter = NONE;
+            if emits(index, &materials[triangle.material as usize], means) {
+                triangle.emitter = next;
+                next += 1;
+            }
         }
     }
 }
@@ -96,48 +131,23 @@ impl LightList {
 fn candidates(
     meshes: &[Mesh],
     triangles: &[SceneTriangle],
-    instances: &[SceneInstance],
+    instances: &mut [SceneInstance],
     materials: &[Material],
+    means: &[f32],
 ) -> Vec<Candidate> {
     let mut found = Vec::new();
     for instance in instances {
-        let mesh = meshes[instance.mesh as usize];
-        let run = mesh.first_triangle as usize..(mesh.first_triangle + mesh.triangle_count) as usize;
-        for triangle in &triangles[run] {
+        instance.first_light = found.len() as u32;
+        for index in run(&meshes[instance.mesh as usize]) {
+            let triangle = &triangles[index];
             let material = &materials[triangle.material as usize];
-            if material.emits() {
-                found.extend(candidate(triangle, instance, material));
+            if triangle.emitter == NONE {
+                continue;
             }
+            // With textures, hits count on every emitter having its place.
+            let mean = means.get(index).copied();
+            found.extend(candidate(index as u32, triangle, instance, material, mean));
         }
     }
     found
-}
-
-fn candidate(triangle: &SceneTriangle, instance: &SceneInstance, material: &Material) -> Option<Candidate> {
-    let corners = place(triangle, instance);
-    let [a, b, c] = corners;
-    let (edge1, edge2) = (b - a, c - a);
-    // Scaled to about 1 first: the square of a small or large triangle's area leaves the range of f32.
-    let scale = edge1.abs().max(edge2.abs()).max_element();
-    let normal = (edge1 / scale).cross(edge2 / scale);
-    let length = float::sqrt(normal.length_squared());
-    if !(length > 0.0 && length.is_finite()) {
-        return None;
-    }
-    let normal = normal * (if instance.is_mirrored() { -1.0 } else { 1.0 } / length);
-    let double_sided = material.flags & Material::DOUBLE_SIDED != 0;
-    let [r, g, b, _] = material.emission;
-    let extend = |v: Vec3, w: f32| [v.x, v.y, v.z, w];
-    Some(Candidate {
-        light: TriangleLight {
-            vertex: extend(a, triangle_offset(&corners)),
-            edge1: extend(edge1, 0.0),
-            edge2: extend(edge2, 0.0),
-            normal: extend(normal, if double_sided { 1.0 } else { 0.0 }),
-            radiance: [r, g, b, 0.0],
-        },
-        area: f64::from(length) * f64::from(scale) * f64::from(scale) / 2.0,
-        radiance: Vec3::new(r, g, b),
-        sides: if double_sided { 2.0 } else { 1.0 },
-    })
 }

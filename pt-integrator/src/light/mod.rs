@@ -1,12 +1,17 @@
 //! Emitters: which one to sample, where on it, and with which density.
 
 mod alias;
+#[cfg(feature = "alloc")]
+mod candidate;
 mod environment;
 #[cfg(feature = "alloc")]
 mod environment_build;
 #[cfg(feature = "alloc")]
+mod footprint;
+#[cfg(feature = "alloc")]
 mod list;
 mod meeting;
+mod punctual;
 mod sample;
 mod triangle;
 

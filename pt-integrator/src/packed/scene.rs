@@ -44,10 +44,11 @@ impl PackedScene {
             // Bindings cannot be empty. No hit points here.
             triangles.push(bytemuck::Zeroable::zeroed());
         }
-        let instances: Vec<SceneInstance> = scene.instances.iter().map(SceneInstance::new).collect();
+        let mut instances: Vec<SceneInstance> = scene.instances.iter().map(SceneInstance::new).collect();
+        let materials: Vec<Material> = scene.materials.iter().map(|m| m.resolved()).collect();
         let sphere = bounding_sphere(scene);
-        let lights = LightList::new(scene, &triangles, &instances, &scene.materials, sphere[3]);
-        let words = Words::default().scene(scene, &instances, &lights, sphere)?;
+        let lights = LightList::new(scene, &mut triangles, &mut instances, &materials, sphere[3]);
+        let words = Words::default().scene(scene, &materials, &instances, &lights, sphere)?;
         let texels = if scene.texels.is_empty() { alloc::vec![0] } else { scene.texels.clone() };
         Ok(Self { triangles, words, texels })
     }
@@ -88,12 +89,12 @@ impl PackedScene {
     }
 }
 
-fn needs(scene: &SceneData, lights: &LightList) -> Needs {
+fn needs(materials: &[Material], lights: &LightList) -> Needs {
     let bit = |on: bool, bit: u32| if on { bit } else { 0 };
-    Needs::of_materials(&scene.materials)
+    Needs::of_materials(materials)
         .with(bit(!lights.triangles.is_empty(), Needs::TRIANGLE_LIGHTS))
         .with(bit(lights.environment.is_some(), Needs::ENVIRONMENT_IMAGE))
-        .with(bit(!scene.punctual_lights.is_empty(), Needs::PUNCTUAL))
+        .with(bit(!lights.punctual.is_empty(), Needs::PUNCTUAL))
 }
 
 fn triangle(scene: &SceneData, index: usize) -> SceneTriangle {
@@ -106,7 +107,7 @@ fn triangle(scene: &SceneData, index: usize) -> SceneTriangle {
         vertices: [vertex(0), vertex(1), vertex(2)],
         uv: shading.uv,
         material: shading.material,
-        reserved: 0,
+        emitter: NONE,
     }
 }
 
@@ -146,6 +147,7 @@ impl Words {
     fn scene(
         mut self,
         scene: &SceneData,
+        materials: &[Material],
         instances: &[SceneInstance],
         lights: &LightList,
         bounding_sphere: [f32; 4],
@@ -163,7 +165,7 @@ impl Words {
             _ => (&no_image, &no_tables),
         };
         let header = SceneHeader {
-            needs: needs(scene, lights).bits(),
+            needs: needs(materials, lights).bits(),
             environment_probability: lights.environment_probability,
             density_per_luminance: lights.density_per_luminance,
             reserved: 0,
@@ -171,7 +173,7 @@ impl Words {
             bounding_sphere,
             environment_size: [image.width, image.height],
             instances: self.section(instances),
-            materials: self.section::<Material>(&scene.materials),
+            materials: self.section(materials),
             textures: self.section(&scene.textures),
             lights: self.section(&lights.triangles),
             alias: self.section(&lights.alias),
@@ -181,7 +183,7 @@ impl Words {
             environment_columns: self.section(&tables.columns),
             environment_guides: self.section(&tables.guides),
             environment_rotation: lights.rotation,
-            punctual_lights: self.section(&scene.punctual_lights),
+            punctual_lights: self.section(&lights.punctual),
             second_uv: self.section(&scene.uv2),
             emitters: self.section(&lights.emitters),
             padding: [0; 2],

@@ -23,8 +23,8 @@ pub struct SceneTriangle {
     pub uv: [[f32; 2]; 3],
     /// Index of the material.
     pub material: u32,
-    /// Zero.
-    pub reserved: u32,
+    /// Index among the emitting triangles of its mesh, or [`crate::scene::NONE`].
+    pub emitter: u32,
 }
 
 /// A placed mesh with the map of its normals. 112 bytes.
@@ -40,8 +40,11 @@ pub struct SceneInstance {
     pub mesh: u32,
     /// [`SceneInstance::IDENTITY`], [`SceneInstance::MIRRORED`].
     pub flags: u32,
+    /// Index of its first triangle's light; see [`SceneTriangle::emitter`]. Only known in a scene with emission
+    /// textures; else 0.
+    pub first_light: u32,
     /// Zero.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
 }
 
 impl SceneInstance {
@@ -74,7 +77,8 @@ impl SceneInstance {
             normal_to_scene: cofactors.map(row),
             mesh: instance.mesh,
             flags: if identity { Self::IDENTITY } else { 0 } | if mirrored { Self::MIRRORED } else { 0 },
-            reserved: [0; 2],
+            first_light: 0,
+            reserved: 0,
         }
     }
 

@@ -8,7 +8,7 @@ use hashcache_core::geometry::Ray;
 use hashcache_core::traits::{RayCaster, Sampler};
 
 use super::{PathOutcome, PathSettings, RayCounts, VertexSettings};
-use crate::light::{LightSample, may_meet_emitter, sample_light, triangle_density};
+use crate::light::{LightSample, may_meet_emitter, sample_light};
 use crate::ray::{offset_origin, ray_towards, segment};
 use crate::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine};
 use crate::scene::Needs;
@@ -21,6 +21,7 @@ macro_rules! for_needs {
         const T: u32 = Needs::TEXTURES;
         const L: u32 = Needs::TRIANGLE_LIGHTS;
         const E: u32 = Needs::ENVIRONMENT_IMAGE;
+        const G: u32 = Needs::GENERAL;
         match $scene.needs().of_loop() {
             0 => $function::<0, $($generics),+>,
             T => $function::<T, $($generics),+>,
@@ -29,7 +30,15 @@ macro_rules! for_needs {
             x if x == T | L => $function::<{ T | L }, $($generics),+>,
             x if x == T | E => $function::<{ T | E }, $($generics),+>,
             x if x == L | E => $function::<{ L | E }, $($generics),+>,
-            _ => $function::<{ T | L | E }, $($generics),+>,
+            x if x == T | L | E => $function::<{ T | L | E }, $($generics),+>,
+            G => $function::<G, $($generics),+>,
+            x if x == G | T => $function::<{ G | T }, $($generics),+>,
+            x if x == G | L => $function::<{ G | L }, $($generics),+>,
+            x if x == G | E => $function::<{ G | E }, $($generics),+>,
+            x if x == G | T | L => $function::<{ G | T | L }, $($generics),+>,
+            x if x == G | T | E => $function::<{ G | T | E }, $($generics),+>,
+            x if x == G | L | E => $function::<{ G | L | E }, $($generics),+>,
+            _ => $function::<{ G | T | L | E }, $($generics),+>,
         }
     }};
 }
@@ -191,8 +200,8 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
             vertices[0] = PathOutcome::seen(ray.direction, self.scene.outside::<NEEDS>(ray.direction).radiance);
             return;
         };
-        let mut surface = Surface::at(self.scene, &hit, ray.direction);
-        vertices[0] = PathOutcome::seen(ray.direction, surface.emission());
+        let mut surface = Surface::at::<NEEDS>(self.scene, &hit, ray.direction);
+        vertices[0] = PathOutcome::seen(ray.direction, surface.emission::<NEEDS>(self.scene));
         let path = self.settings.path;
         if path.max_bounces == 0 {
             return;
@@ -270,7 +279,7 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
         if self.caster.occluded(&shadow) {
             return Vec3::ZERO;
         }
-        let mis = power_heuristic(light.pdf, cosine_pdf(cosine));
+        let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, cosine_pdf(cosine)) };
         light.radiance * (FRAC_1_PI * cosine * mis / light.pdf)
     }
 
@@ -293,14 +302,13 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
         if last && NEEDS & Needs::TRIANGLE_LIGHTS == 0 {
             return Arrival { emitted: Vec3::ZERO, next: None };
         }
-        let next = Surface::at(self.scene, &hit, direction);
+        let next = Surface::at::<NEEDS>(self.scene, &hit, direction);
         let mut emitted = Vec3::ZERO;
         if NEEDS & Needs::TRIANGLE_LIGHTS != 0 {
-            emitted = next.emission();
+            emitted = next.emission::<NEEDS>(self.scene);
             if emitted != Vec3::ZERO {
                 // Density of the same direction by next event: by area, times distance² over cosine.
-                let density =
-                    triangle_density(emitted, next.is_double_sided(), self.scene.header.density_per_luminance);
+                let density = next.light_density::<NEEDS>(self.scene, emitted);
                 let other = density * (hit.t * hit.t) / next.face.dot(direction).abs();
                 emitted *= power_heuristic(pdf, other);
             }

@@ -8,7 +8,7 @@ use hashcache_core::traits::{RayCaster, Sampler};
 
 use super::trace::{for_needs, shadow_ray};
 use super::{PathOutcome, RayCounts};
-use crate::light::{LightSample, MAX_TRIED, luminance, may_meet_emitter, sample_light, triangle_density};
+use crate::light::{LightSample, MAX_TRIED, luminance, may_meet_emitter, sample_light};
 use crate::ray::{offset_origin, ray_towards};
 use crate::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine};
 use crate::scene::Needs;
@@ -89,7 +89,7 @@ impl DirectSettings {
     pub fn for_scene(self, scene: &SceneView<'_>) -> Self {
         let sky = scene.header.has_constant_environment();
         let (samples, scattered) = (self.shadow_rays(), self.scattered.min(Self::MAX_CANDIDATES));
-        if scene.needs().bits() & Needs::SAMPLED_LIGHTS == 0 {
+        if !scene.has_sampled_lights() {
             return Self { samples: 0, scattered: if sky { samples + scattered } else { 0 }, ..self };
         }
         let least = u32::from(sky && samples > 0);
@@ -138,8 +138,8 @@ fn visible_for<const NEEDS: u32, C: RayCaster, S: Sampler, N: FnMut(Strategy, u3
     let Some(hit) = caster.closest(ray) else {
         return PathOutcome::seen(ray.direction, scene.outside::<NEEDS>(ray.direction).radiance);
     };
-    let surface = Surface::at(scene, &hit, ray.direction);
-    let mut outcome = PathOutcome::seen(ray.direction, surface.emission());
+    let surface = Surface::at::<NEEDS>(scene, &hit, ray.direction);
+    let mut outcome = PathOutcome::seen(ray.direction, surface.emission::<NEEDS>(scene));
     outcome.arrive(&surface, hit.t, surface.albedo::<NEEDS>(scene));
     let mut direct = Direct::<NEEDS, C> { scene, caster, surface: &surface, settings, counts };
     outcome.direct = direct.next_event(|i| numbers(Strategy::NextEvent, i));
@@ -187,6 +187,7 @@ impl<const NEEDS: u32, C: RayCaster> Direct<'_, '_, NEEDS, C> {
             if let Some(light) = sample_light::<NEEDS>(self.scene, &mut sampler, self.surface.position) {
                 let cosine = self.surface.normal.dot(light.direction).max(0.0);
                 let mis = self.weight_of_next_event(light.pdf, cosine_pdf(cosine));
+                let mis = if light.is_delta { 1.0 } else { mis };
                 let weight = luminance(light.radiance) * (FRAC_1_PI * cosine * mis / light.pdf);
                 *candidate = Candidate { light, weight };
                 total += weight;
@@ -250,12 +251,12 @@ impl<const NEEDS: u32, C: RayCaster> Direct<'_, '_, NEEDS, C> {
             let seen = self.scene.outside::<NEEDS>(direction);
             return seen.radiance * (1.0 - self.weight_of_next_event(seen.pdf, pdf));
         };
-        let next = Surface::at(self.scene, &hit, direction);
-        let emitted = next.emission();
+        let next = Surface::at::<NEEDS>(self.scene, &hit, direction);
+        let emitted = next.emission::<NEEDS>(self.scene);
         if emitted == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let density = triangle_density(emitted, next.is_double_sided(), self.scene.header.density_per_luminance);
+        let density = next.light_density::<NEEDS>(self.scene, emitted);
         let other = density * (hit.t * hit.t) / next.face.dot(direction).abs();
         emitted * (1.0 - self.weight_of_next_event(other, pdf))
     }

@@ -111,14 +111,30 @@ impl Material {
     /// Whether the material emits: a component of its emission (of its base colour, for [`Material::UNLIT`]) is above 0
     /// and all are finite. A texture may still be black.
     pub fn emits(&self) -> bool {
-        let [r, g, b, _] = if self.flags & Self::UNLIT == 0 { self.emission } else { self.base_color };
+        let [r, g, b, _] = self.resolved().emission;
         (r > 0.0 || g > 0.0 || b > 0.0) && r.is_finite() && g.is_finite() && b.is_finite()
     }
 
-    /// Whether triangles shade with their own normals, which also decide the emitting side: emitters without a texture
-    /// are lamps, others are surfaces with lit spots.
+    /// Whether triangles shade with their own normals, as emitters without an emission texture do. Others are surfaces
+    /// of which a part shines. The side that emits is in both cases the triangle's own.
     pub fn shades_flat(&self) -> bool {
-        self.emits() && self.textures[Self::EMISSION] == NONE && self.flags & Self::UNLIT == 0
+        self.emits() && self.resolved().textures[Self::EMISSION] == NONE
+    }
+
+    /// The same surface said without [`Material::UNLIT`], which path tracing then need not know: a black one that emits
+    /// its base colour. Others stay as they are.
+    #[must_use]
+    pub const fn resolved(self) -> Self {
+        if self.flags & Self::UNLIT == 0 {
+            return self;
+        }
+        let [r, g, b, _] = self.base_color;
+        let mut emitter = Self::emissive([0.0; 3], [r, g, b]);
+        emitter.base_color[3] = self.base_color[3];
+        emitter.emission[3] = self.emission[3];
+        emitter.textures[Self::EMISSION] = self.textures[Self::BASE_COLOR];
+        emitter.flags = self.flags & !Self::UNLIT;
+        emitter
     }
 
     /// What the material may scatter by; textures may be anything in `[0, 1]`.

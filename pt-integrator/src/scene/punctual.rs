@@ -20,7 +20,8 @@ pub struct PunctualLight {
     /// Linear Rec. 709 radiant intensity in W/sr, of a directional light its irradiance in W/m² on a plane that faces
     /// it; w: cosine of the cone's outer half angle.
     pub intensity: [f32; 4],
-    /// Distance in metres at which the light has faded out, 0 for none; then zeros.
+    /// Distance in metres at which the light has faded out, 0 for none; then 0, in a packed scene the probability with
+    /// which next-event estimation chooses the light; then zeros.
     pub range: [f32; 4],
 }
 

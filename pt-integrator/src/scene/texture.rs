@@ -1,6 +1,7 @@
 //! Textures.
 
 use bytemuck::{Pod, Zeroable};
+pub use hashcache_core::texel::Wrap;
 
 /// An image in the scene's list of texels, with how it is read. 48 bytes. Several textures may share texels.
 ///
@@ -19,18 +20,6 @@ pub struct Texture {
     pub flags: u32,
     /// Rows of the map from the vertices' coordinates to the image's: `u' = rows[0]·(u, v, 1, 0)`, …; w is 0.
     pub uv_rows: [[f32; 4]; 2],
-}
-
-/// What a texture shows outside of `[0, 1)`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Wrap {
-    /// The image again.
-    Repeat = 0,
-    /// Its border texels.
-    Clamp = 1,
-    /// The image again, every second time mirrored.
-    Mirror = 2,
 }
 
 impl Texture {
@@ -54,6 +43,6 @@ impl Texture {
 
     /// The bits of [`Texture::flags`] that say what is outside.
     pub const fn wrap_word(s: Wrap, t: Wrap) -> u32 {
-        s as u32 | (t as u32) << 2
+        Wrap::word(s, t)
     }
 }

@@ -5,49 +5,77 @@ mod srgb;
 pub use srgb::{SRGB_TO_LINEAR, decode};
 
 use glam::{Vec2, Vec3};
-use hashcache_core::float;
+use hashcache_core::texel::texel_pair;
 
 use crate::scene::Texture;
 
-/// The linear colour of a texture at `uv`, bilinear between decoded texels.
+/// Linear red, green and blue of a texture where a vertex's coordinates `uv` point, bilinear between decoded texels.
+///
+/// Coordinates that are not finite, or leave f32's range under the texture's map, see a texel at the image's border.
+///
+/// ```
+/// use hashcache_core::glam::{Vec2, Vec3};
+/// use pt_integrator::scene::{Texture, Wrap};
+/// use pt_integrator::texture::sample_texture;
+/// let white = Texture::new(0, [1, 1], [Wrap::Repeat; 2]);
+/// assert_eq!(sample_texture(&white, &[u32::MAX], Vec2::ZERO), Vec3::ONE);
+/// ```
 #[inline]
 pub fn sample_texture(texture: &Texture, texels: &[u32], uv: Vec2) -> Vec3 {
-    let (x0, x1, fx) = axis(uv.x, texture.width, texture.flags & 3);
-    let (y0, y1, fy) = axis(uv.y, texture.height, (texture.flags >> 2) & 3);
-    let texel = |x: u32, y: u32| decode(texels[(texture.first_texel + y * texture.width + x) as usize]);
-    let upper = texel(x0, y0).lerp(texel(x1, y0), fx);
-    let lower = texel(x0, y1).lerp(texel(x1, y1), fx);
-    upper.lerp(lower, fy)
+    let place = Place::new(texture, uv);
+    if texture.flags & Texture::LINEAR == 0 {
+        place.bilinear(texture, texels, decode)
+    } else {
+        place.bilinear(texture, texels, decode_linear)
+    }
 }
 
-/// The two texels beside a coordinate and how far it lies towards the second.
+/// Alpha of a texture, as [`sample_texture`].
 #[inline]
-fn axis(coordinate: f32, size: u32, wrap: u32) -> (u32, u32, f32) {
-    // Into one period first: coordinates far out then keep what precision they have, and the integers do not overflow.
-    let inside = match wrap {
-        1 => coordinate.clamp(0.0, 1.0),
-        2 => coordinate - 2.0 * float::floor(coordinate * 0.5),
-        _ => coordinate - float::floor(coordinate),
-    };
-    let x = inside * size as f32 - 0.5;
-    let cell = float::floor(x);
-    let fraction = (x - cell).clamp(0.0, 1.0);
-    let cell = cell as i32;
-    (wrapped(cell, size, wrap), wrapped(cell + 1, size, wrap), fraction)
+pub fn sample_alpha(texture: &Texture, texels: &[u32], uv: Vec2) -> f32 {
+    Place::new(texture, uv).bilinear(texture, texels, |word| Vec3::splat(channel(word, 24))).x
 }
 
-/// A texel's index brought into the image; `i` is at most one period away. NaN coordinates arrive as texel 0.
+/// Linear red, green and blue of one of a texture's texels.
 #[inline]
-fn wrapped(i: i32, size: u32, wrap: u32) -> u32 {
-    let n = size as i32;
-    let index = match wrap {
-        2 if i < 0 => -1 - i,
-        2 if i >= 2 * n => i - 2 * n,
-        2 if i >= n => 2 * n - 1 - i,
-        1 | 2 => i,
-        _ if i < 0 => i + n,
-        _ if i >= n => i - n,
-        _ => i,
-    };
-    index.clamp(0, n - 1) as u32
+pub fn decode_texel(texture: &Texture, texel: u32) -> Vec3 {
+    if texture.flags & Texture::LINEAR == 0 { decode(texel) } else { decode_linear(texel) }
+}
+
+#[inline]
+fn decode_linear(word: u32) -> Vec3 {
+    Vec3::new(channel(word, 0), channel(word, 8), channel(word, 16))
+}
+
+/// Eight bits of a word as a number in `[0, 1]`.
+#[inline]
+fn channel(word: u32, shift: u32) -> f32 {
+    ((word >> shift) & 0xff) as f32 / 255.0
+}
+
+/// Four texels, upper left first, and how far a point lies towards the right and the lower ones.
+struct Place {
+    columns: [u32; 2],
+    rows: [u32; 2],
+    fraction: Vec2,
+}
+
+impl Place {
+    #[inline]
+    fn new(texture: &Texture, uv: Vec2) -> Self {
+        let row = |r: &[f32; 4]| r[0] * uv.x + r[1] * uv.y + r[2];
+        let x = texel_pair(row(&texture.uv_rows[0]), texture.width, texture.flags);
+        let y = texel_pair(row(&texture.uv_rows[1]), texture.height, texture.flags >> 2);
+        Self { columns: [x.first, x.second], rows: [y.first, y.second], fraction: Vec2::new(x.fraction, y.fraction) }
+    }
+
+    #[inline]
+    fn bilinear(&self, texture: &Texture, texels: &[u32], decode: impl Fn(u32) -> Vec3) -> Vec3 {
+        let texel = |x: u32, y: u32| decode(texels[(texture.first_texel + y * texture.width + x) as usize]);
+        let [x0, x1] = self.columns;
+        let [y0, y1] = self.rows;
+        let upper = texel(x0, y0).lerp(texel(x1, y0), self.fraction.x);
+        let lower = texel(x0, y1).lerp(texel(x1, y1), self.fraction.x);
+        upper.lerp(lower, self.fraction.y)
+    }
 }
