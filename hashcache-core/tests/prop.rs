@@ -11,6 +11,8 @@ mod hash;
 mod level;
 #[path = "prop/pack.rs"]
 mod pack;
+#[path = "prop/texel.rs"]
+mod texel;
 
 use proptest::prelude::*;
 

@@ -81,6 +81,31 @@ impl OpacityMask {
             at(x.first) * (STEPS - fx) + at(x.second) * fx
         };
         let sum = across(y.first) * (STEPS - fy) + across(y.second) * fy;
+        self.is_below(sum)
+    }
+
+    /// Whether the mask lets rays pass anywhere, as far as its values alone can tell.
+    ///
+    /// # Panics
+    /// As [`OpacityMask::passes`].
+    ///
+    /// ```
+    /// # use hashcache_core::geometry::OpacityMask;
+    /// let mut mask: OpacityMask = bytemuck::Zeroable::zeroed();
+    /// (mask.width, mask.height, mask.cutoff, mask.factor) = (2, 1, 0.5, 1.0);
+    /// assert!(mask.has_holes(&[255, 127]));
+    /// assert!(!mask.has_holes(&[255, 128]));
+    /// ```
+    pub fn has_holes(&self, alpha: &[u8]) -> bool {
+        let first = self.first_alpha as usize;
+        let image = &alpha[first..first + self.width as usize * self.height as usize];
+        // What lies between values lies between their ends, so the extremes speak for all.
+        let ends = image.iter().fold([u8::MAX, 0], |[low, high], &x| [low.min(x), high.max(x)]);
+        ends.iter().any(|&x| self.is_below(u32::from(x) * STEPS * STEPS))
+    }
+
+    #[inline]
+    fn is_below(&self, sum: u32) -> bool {
         self.factor * (sum as f32) < self.cutoff * ONE
     }
 }

@@ -5,6 +5,7 @@ use hashcache_core::geometry::{Instance, Ray};
 use obvhs::aabb::Aabb;
 
 use super::build::hierarchy;
+use super::holes::Holes;
 use super::lanes::Lanes;
 use super::layout::{LEAF, Rows, WIDTH};
 use super::mesh::Mesh;
@@ -87,7 +88,13 @@ impl Placements {
 
     /// Moves `nearest` to the nearest triangle before it. Returns the instance if it did.
     #[inline(always)]
-    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray, nearest: &mut Nearest) -> Option<u32> {
+    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>, H: Holes>(
+        &self,
+        l: L,
+        ray: &Ray,
+        holes: H,
+        nearest: &mut Nearest,
+    ) -> Option<u32> {
         let mut found = None;
         nearest_first(
             l,
@@ -99,7 +106,7 @@ impl Placements {
                 let placed = &self.placed[leaf];
                 let inner = placed.inward(ray);
                 let mut candidate = Nearest { id: u32::MAX, ..*nearest };
-                self.meshes[placed.mesh].closest(l, &inner, &mut candidate);
+                self.meshes[placed.mesh].closest(l, &inner, holes, &mut candidate);
                 // A candidate is never farther than what was found before.
                 let lower = found.is_some_and(|other| placed.instance < other);
                 if candidate.id != u32::MAX && (candidate.t < nearest.t || lower) {
@@ -114,7 +121,7 @@ impl Placements {
 
     /// Whether a triangle lies on the segment.
     #[inline(always)]
-    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> bool {
+    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>, H: Holes>(&self, l: L, ray: &Ray, holes: H) -> bool {
         any(
             l,
             &self.rows,
@@ -122,7 +129,7 @@ impl Placements {
             #[inline(always)]
             |leaf| {
                 let placed = &self.placed[leaf];
-                self.meshes[placed.mesh].occluded(l, &placed.inward(ray))
+                self.meshes[placed.mesh].occluded(l, &placed.inward(ray), holes)
             },
         )
     }

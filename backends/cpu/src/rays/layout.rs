@@ -82,7 +82,7 @@ impl Node {
 pub(super) struct Block {
     /// Corner, axis, triangle. Unused places are NaN, which no ray meets.
     pub(super) corners: [[[f32; LEAF]; 3]; 3],
-    /// Numbers of the triangles, ascending.
+    /// Numbers of the triangles, ascending; bit 30 ([`MASKED`](super::holes::MASKED)) says that it has holes.
     pub(super) ids: [u32; LEAF],
 }
 

@@ -5,6 +5,7 @@ use hashcache_core::geometry::Ray;
 use obvhs::aabb::Aabb;
 
 use super::build::hierarchy;
+use super::holes::{Holes, MASKED};
 use super::lanes::Lanes;
 use super::layout::{Block, LEAF, Rows, WIDTH};
 use super::traverse::{any, nearest_first};
@@ -15,6 +16,8 @@ use super::triangle::{self, Nearest, Shear};
 pub(super) struct Numbered {
     pub(super) corners: [Vec3; 3],
     pub(super) id: u32,
+    /// Whether it has holes.
+    pub(super) masked: bool,
 }
 
 /// Triangles under a hierarchy.
@@ -31,7 +34,7 @@ impl Mesh {
             sorted.sort_unstable_by_key(|triangle| triangle.id);
             let mut block = Block::EMPTY;
             for (slot, triangle) in sorted.into_iter().enumerate() {
-                block.ids[slot] = triangle.id;
+                block.ids[slot] = triangle.id | if triangle.masked { MASKED } else { 0 };
                 for (corner, point) in triangle.corners.iter().enumerate() {
                     for axis in 0..3 {
                         block.corners[corner][axis][slot] = point[axis];
@@ -45,7 +48,13 @@ impl Mesh {
 
     /// Moves `nearest` to the nearest triangle before it.
     #[inline(always)]
-    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray, nearest: &mut Nearest) {
+    pub(super) fn closest<L: Lanes<WIDTH> + Lanes<LEAF>, H: Holes>(
+        &self,
+        l: L,
+        ray: &Ray,
+        holes: H,
+        nearest: &mut Nearest,
+    ) {
         let shear = Shear::new(l, ray);
         nearest_first(
             l,
@@ -54,7 +63,7 @@ impl Mesh {
             nearest.t,
             #[inline(always)]
             |leaf| {
-                triangle::closest(l, self.rows.block(leaf), &shear, ray.t_max, nearest);
+                triangle::closest(l, self.rows.block(leaf), &shear, ray.t_max, holes, nearest);
                 nearest.t
             },
         );
@@ -62,14 +71,14 @@ impl Mesh {
 
     /// Whether a triangle lies on the segment.
     #[inline(always)]
-    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>>(&self, l: L, ray: &Ray) -> bool {
+    pub(super) fn occluded<L: Lanes<WIDTH> + Lanes<LEAF>, H: Holes>(&self, l: L, ray: &Ray, holes: H) -> bool {
         let shear = Shear::new(l, ray);
         any(
             l,
             &self.rows,
             ray,
             #[inline(always)]
-            |leaf| triangle::occluded(l, self.rows.block(leaf), &shear, ray.t_max),
+            |leaf| triangle::occluded(l, self.rows.block(leaf), &shear, ray.t_max, holes),
         )
     }
 }

@@ -3,10 +3,13 @@
 //! [`CpuScene`] holds the scene's triangles in hierarchies of eight boxes a node and eight triangles a leaf
 //! (`layout`). A ray (`ray`) tests the eight boxes of a node together (`traverse`), then the
 //! eight triangles of a leaf (`triangle`), in the processor's widest lanes (`lanes`). Meshes placed once are copied into
-//! the scene's space; the others are reached through a second hierarchy (`instance`).
+//! the scene's space; the others are reached through a second hierarchy (`instance`). Triangles may have holes (`holes`);
+//! a scene without runs code without.
 
 mod build;
 mod collapse;
+mod holes;
+mod input;
 mod instance;
 mod lanes;
 #[cfg(target_arch = "x86_64")]

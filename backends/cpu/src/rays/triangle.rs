@@ -2,6 +2,7 @@
 
 use hashcache_core::geometry::Ray;
 
+use super::holes::Holes;
 use super::lanes::Lanes;
 use super::layout::{Block, LEAF};
 
@@ -28,8 +29,14 @@ impl Nearest {
     /// Barycentric weights of the second and third corner.
     #[inline(always)]
     pub(super) fn weights(&self) -> [f32; 2] {
-        [self.edges[0] / self.det, self.edges[1] / self.det]
+        weights(self.edges, self.det)
     }
+}
+
+/// Barycentric weights from edge functions and their sum.
+#[inline(always)]
+fn weights(edges: [f32; 2], det: f32) -> [f32; 2] {
+    [edges[0] / det, edges[1] / det]
 }
 
 /// What a block needs to know of a ray, eight times over.
@@ -79,6 +86,14 @@ struct Meeting<L: Lanes<LEAF>> {
     det: L::Vector,
 }
 
+impl<L: Lanes<LEAF>> Meeting<L> {
+    /// Edge functions and their sum for one triangle.
+    #[inline(always)]
+    fn at(&self, l: L, place: usize) -> ([f32; 2], f32) {
+        ([l.store(self.edges[0])[place], l.store(self.edges[1])[place]], l.store(self.det)[place])
+    }
+}
+
 /// Which triangles of the block the ray meets beyond `t_min` and not beyond `t_end`.
 ///
 /// # Source
@@ -107,29 +122,57 @@ fn meet<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_end: f32) -> Option
 
 /// Moves `nearest` to a triangle of the block that is nearer, or as near and lower in number.
 #[inline(always)]
-pub(super) fn closest<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_max: f32, nearest: &mut Nearest) {
+pub(super) fn closest<L: Lanes<LEAF>, H: Holes>(
+    l: L,
+    block: &Block,
+    s: &Shear<L>,
+    t_max: f32,
+    holes: H,
+    nearest: &mut Nearest,
+) {
     let Some((mut mask, meeting)) = meet(l, block, s, nearest.t) else { return };
     let t = l.store(meeting.t);
     let mut place = LEAF;
     while mask != 0 {
         let i = mask.trailing_zeros() as usize;
         mask &= mask - 1;
-        if t[i] < nearest.t || (t[i] <= nearest.t && t[i] < t_max && block.ids[i] < nearest.id) {
-            (nearest.t, nearest.id) = (t[i], block.ids[i]);
+        let id = holes.number(block.ids[i]);
+        if (t[i] < nearest.t || (t[i] <= nearest.t && t[i] < t_max && id < nearest.id))
+            && !passes(l, block, &meeting, holes, i)
+        {
+            (nearest.t, nearest.id) = (t[i], id);
             place = i;
         }
     }
     if place < LEAF {
-        nearest.det = l.store(meeting.det)[place];
-        nearest.edges = [l.store(meeting.edges[0])[place], l.store(meeting.edges[1])[place]];
+        (nearest.edges, nearest.det) = meeting.at(l, place);
     }
 }
 
 /// Whether the ray meets a triangle of the block before `t_max`.
 #[inline(always)]
-pub(super) fn occluded<L: Lanes<LEAF>>(l: L, block: &Block, s: &Shear<L>, t_max: f32) -> bool {
-    match meet(l, block, s, t_max) {
-        Some((mask, meeting)) => mask & l.lt(meeting.t, l.splat(t_max)) != 0,
-        None => false,
+pub(super) fn occluded<L: Lanes<LEAF>, H: Holes>(l: L, block: &Block, s: &Shear<L>, t_max: f32, holes: H) -> bool {
+    let Some((mask, meeting)) = meet(l, block, s, t_max) else { return false };
+    let mut mask = mask & l.lt(meeting.t, l.splat(t_max));
+    while mask != 0 {
+        let i = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        if !passes(l, block, &meeting, holes, i) {
+            return true;
+        }
     }
+    false
+}
+
+/// Whether the ray passes a triangle of the block that it meets.
+#[inline(always)]
+fn passes<L: Lanes<LEAF>, H: Holes>(l: L, block: &Block, meeting: &Meeting<L>, holes: H, place: usize) -> bool {
+    holes.passes(
+        block.ids[place],
+        #[inline(always)]
+        || {
+            let (edges, det) = meeting.at(l, place);
+            weights(edges, det)
+        },
+    )
 }

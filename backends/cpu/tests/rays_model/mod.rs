@@ -1,5 +1,8 @@
 //! Random triangles, random rays, and an intersector that tries every triangle in f64.
 
+// Each test uses a part.
+#![allow(dead_code)]
+
 use backend_cpu::rays::CpuScene;
 use glam::{DVec3, Vec3};
 use hashcache_core::float::powf;
