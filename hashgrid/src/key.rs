@@ -1,6 +1,7 @@
 //! From a path vertex to the cell it falls into, in integers.
 
 use bytemuck::{Pod, Zeroable};
+use hashcache_core::exact::{hi, lo, pair};
 use hashcache_core::hash::{finish, mix, pcg3d, pcg4d};
 use hashcache_core::level::{MAX_LEVEL, exponent};
 use hashcache_core::pack::octahedral_decode_int;
@@ -37,6 +38,22 @@ impl Key {
     /// Bin of the normal, see [`crate::jitter::normal_bin`].
     pub const fn normal_bin(&self) -> u32 {
         self.attributes >> 8
+    }
+
+    /// The key in two words, of which the first is never all ones.
+    #[inline]
+    #[must_use]
+    pub const fn words(self) -> [u64; 2] {
+        let [x, y, z] = self.cell;
+        [pair(z as u32, self.attributes), pair(x as u32, y as u32)]
+    }
+
+    /// The key of such words.
+    #[inline]
+    #[must_use]
+    pub const fn from_words(words: [u64; 2]) -> Self {
+        let cell = [lo(words[1]) as i32, hi(words[1]) as i32, lo(words[0]) as i32];
+        Self { cell, attributes: hi(words[0]) }
     }
 
     /// Where the cell begins on each axis, in metres. For reports and pictures; inexact far from the origin.

@@ -42,7 +42,8 @@
 //! Without features nothing allocates. Where 64-bit atomics are missing, [`Word`] is a pair of 32-bit ones of the same bytes.
 //!
 //! # Memory
-//! 64 bytes a cell, a line of the memory's caches; a power of two of cells. A table of n keys at load a takes
+//! 64 bytes a cell in the standard [`layout`], a line of the memory's caches; 32 in the smallest, and what else a cell may
+//! hold is chosen by type and listed there, byte by byte. A power of two of cells. A table of 64-byte cells of n keys at load a takes
 //! 64·n/a bytes: half a million keys at load 0.5 are 2²⁰ cells, 64 MiB. A frame of w×h pixels with cells of
 //! c×c footprints on surfaces has about 4·w·h/c² keys at first vertices (cells are between c/2 and c wide), and at least as
 //! many again after a bounce. Healthy: load up to 0.7, mean distance from home ([`validate::Summary`]) below 2.
@@ -55,7 +56,7 @@
 //! deposited come second: with a table too full for both, the cut into batches tells who is refused.
 //!
 //! # Limits today
-//! Diffuse light only (a key knows no direction of view); a table neither grows nor forgets before [`Table::clear`]; cells
+//! The kernels work on the standard layout; all others are for the host. Diffuse light only (a key knows no direction of view); a table neither grows nor forgets before [`Table::clear`]; cells
 //! with few vertices are not helped by their neighbours; at most 2³⁰ deposits a cell.
 //!
 //! # Source
@@ -71,9 +72,14 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod cell;
 pub mod jitter;
 pub mod key;
+pub mod layout;
+#[cfg(target_has_atomic = "64")]
+pub mod names;
 pub mod params;
+pub mod sums;
 pub mod table;
 pub mod tag;
 pub mod validate;

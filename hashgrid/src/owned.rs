@@ -10,6 +10,7 @@ use hashcache_core::glam::Vec3;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::{Estimate, RadianceCache};
 
+use crate::layout::Standard;
 use crate::params::Params;
 use crate::table::{CELL_WORDS, Table};
 use crate::vertex::{add_counters, claim_vertices, deposit_vertices, estimate_vertices, read_counters};
@@ -50,7 +51,7 @@ impl OwnedGrid {
     pub fn new(params: Params, cells: usize) -> Result<Self, ParamError> {
         let wanted = cells.saturating_mul(CELL_WORDS);
         // Judged before memory is asked for.
-        Table::check_words(wanted)?;
+        Table::<Standard>::check_words(wanted)?;
         let words = (0..wanted).map(|_| Word::new(0)).collect();
         let grid = Self { params, words, counters: [const { Word::new(0) }; Counters::WORDS], pending: Vec::new() };
         grid.table().clear();

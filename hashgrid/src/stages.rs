@@ -10,6 +10,7 @@ use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::{CacheStages, EstimateRecord};
 
 use crate::kernels::{CLAIM, CLEAR, DEPOSIT, LOOKUP};
+use crate::layout::Standard;
 use crate::params::Params;
 use crate::table::{CELL_WORDS, Table};
 
@@ -39,7 +40,7 @@ impl GridStages {
     /// # Errors
     /// Those of [`Table::new`].
     pub fn new(params: Params, cells: u32) -> Result<Self, ParamError> {
-        Table::check_words((cells as usize).saturating_mul(CELL_WORDS))?;
+        Table::<Standard>::check_words((cells as usize).saturating_mul(CELL_WORDS))?;
         Ok(Self { params, cells, buffers: None })
     }
 

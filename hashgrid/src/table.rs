@@ -1,15 +1,19 @@
 //! The hash table of cells on borrowed storage.
 
+use core::marker::PhantomData;
+
 use hashcache_core::error::ParamError;
 use hashcache_core::exact::{MAX_DEPOSITS, Quantum, mean};
 
 use crate::key::{Key, fingerprint, home};
+use crate::layout::{Layout, Standard};
 use crate::params::{MAX_PROBES, Params};
+use crate::sums::{luminance, square};
 use crate::tag::{EMPTY, NEW, tag, tag_distance};
 use crate::word::{self, Word};
 
-/// 64-bit words of a cell: 64 bytes, a line of the memory's caches.
-pub const CELL_WORDS: usize = 8;
+/// 64-bit words of a cell of the standard layout: 64 bytes, a line of the memory's caches.
+pub const CELL_WORDS: usize = Standard::WORDS;
 
 /// Least cells of a table: no probe sequence meets a slot twice.
 pub const MIN_CELLS: usize = MAX_PROBES as usize;
@@ -84,7 +88,7 @@ pub type Quanta = [u64; 6];
 
 /// A table of cells on storage that the caller owns.
 ///
-/// A cell is eight 64-bit words:
+/// Which words a cell has is the [`Layout`]'s choice; in the standard one it is eight 64-bit words:
 ///
 /// | word | meaning |
 /// |---|---|
@@ -104,34 +108,48 @@ pub type Quanta = [u64; 6];
 /// # Source
 /// Binder et al. 2021, section 3.2 and 3.4.3 (atomicMin); Gale & Shapley 1962.
 #[derive(Clone, Copy, Debug)]
-pub struct Table<'a> {
+pub struct Table<'a, L = Standard> {
     words: &'a [Word],
     mask: u32,
     max_probes: u32,
+    layout: PhantomData<L>,
 }
 
 impl<'a> Table<'a> {
-    /// A table on `storage`, [`CELL_WORDS`] words a cell. The words are taken as they are: [`clear`](Self::clear) them
-    /// before the first use.
+    /// A table of the standard layout on `storage`, [`CELL_WORDS`] words a cell. The words are taken as they are:
+    /// [`clear`](Self::clear) them before the first use.
     ///
     /// # Errors
     /// [`ParamError::TooShort`] below [`MIN_CELLS`] cells, [`ParamError::NotPowerOfTwo`] for another number of words
     /// than a power of two, [`ParamError::OutOfRange`] above 2³¹ cells.
     pub fn new(storage: &'a [Word], params: &Params) -> Result<Self, ParamError> {
+        Self::with_layout(storage, params)
+    }
+}
+
+impl<'a, L: Layout> Table<'a, L> {
+    /// A table on `storage`, [`Layout::WORDS`] words a cell. The words are taken as they are: [`clear`](Self::clear)
+    /// them before the first use.
+    ///
+    /// # Errors
+    /// [`ParamError::TooShort`] below [`MIN_CELLS`] cells, [`ParamError::NotPowerOfTwo`] for words of another number of
+    /// cells than a power of two, [`ParamError::OutOfRange`] above 2³¹ cells.
+    pub fn with_layout(storage: &'a [Word], params: &Params) -> Result<Self, ParamError> {
         let words = storage.len();
         Self::check_words(words)?;
-        Ok(Self { words: storage, mask: (words / CELL_WORDS - 1) as u32, max_probes: params.max_probes() })
+        let mask = (words / L::WORDS - 1) as u32;
+        Ok(Self { words: storage, mask, max_probes: params.max_probes(), layout: PhantomData })
     }
 
     pub(crate) fn check_words(words: usize) -> Result<(), ParamError> {
-        let least = MIN_CELLS * CELL_WORDS;
+        let least = MIN_CELLS * L::WORDS;
         if words < least {
             return Err(ParamError::TooShort { name: "storage", needed: least as u64, found: words as u64 });
         }
-        if !words.is_power_of_two() {
+        if !words.is_multiple_of(L::WORDS) || !(words / L::WORDS).is_power_of_two() {
             return Err(ParamError::NotPowerOfTwo { name: "storage", value: words as u64 });
         }
-        let max = f64::from(1_u32 << 31) * CELL_WORDS as f64;
+        let max = f64::from(1_u32 << 31) * L::WORDS as f64;
         ParamError::check_range("storage", words as f64, least as f64, max)
     }
 
@@ -156,15 +174,32 @@ impl<'a> Table<'a> {
     pub fn clear_cell(&self, slot: u32) {
         let cell = self.cell_words(slot);
         word::set(&cell[0], u64::from(EMPTY) << 32);
-        for sum in &cell[1..] {
+        for sum in &cell[1..L::KEPT_AT] {
             word::set(sum, 0);
         }
+        for spare in &cell[L::USED..] {
+            word::set(spare, 0);
+        }
+        self.forget_key(slot);
     }
 
     #[inline]
-    fn cell_words(&self, slot: u32) -> &'a [Word] {
-        let first = slot as usize * CELL_WORDS;
-        &self.words[first..first + CELL_WORDS]
+    pub(crate) fn cell_words(&self, slot: u32) -> &'a [Word] {
+        let first = slot as usize * L::WORDS;
+        &self.words[first..first + L::WORDS]
+    }
+
+    /// The words that hold the key, none in most layouts.
+    #[inline]
+    pub(crate) fn key_words(&self, slot: u32) -> &'a [Word] {
+        &self.cell_words(slot)[L::KEPT_AT..L::USED]
+    }
+
+    #[inline]
+    pub(crate) fn forget_key(&self, slot: u32) {
+        for word in self.key_words(slot) {
+            word::set(word, u64::MAX);
+        }
     }
 
     /// Where the key's probe sequence begins.
@@ -176,7 +211,7 @@ impl<'a> Table<'a> {
     /// Word 0 of a cell: for reading ahead.
     #[inline]
     pub fn head(&self, slot: u32) -> u64 {
-        word::get(&self.words[slot as usize * CELL_WORDS])
+        word::get(&self.words[slot as usize * L::WORDS])
     }
 
     /// Gives the key a cell, unless it has one or finds none within its probes.
@@ -197,7 +232,11 @@ impl<'a> Table<'a> {
         }
         let mut placed = false;
         loop {
-            let old = word::min_high(&self.words[slot as usize * CELL_WORDS], mine);
+            let old = word::min_high(&self.words[slot as usize * L::WORDS], mine);
+            if old > mine {
+                // Whoever takes a slot in this phase forgets whose it was; names are given when the phase has ended.
+                self.forget_key(slot);
+            }
             if old == EMPTY {
                 return Claim::Placed;
             }
@@ -248,7 +287,8 @@ impl<'a> Table<'a> {
     }
 
     /// Adds `count` deposits of together `values` to a cell that [`find`](Self::find) returned with `head`, and settles
-    /// it. The caller refuses what a [full](Found::is_full) cell can no longer take.
+    /// it. The caller refuses what a [full](Found::is_full) cell can no longer take. Second moments take several deposits
+    /// as equal; where direct and further light share a sum, `values` holds both as further light.
     #[inline]
     pub fn add(&self, slot: u32, head: u64, values: &Quanta, count: u32) {
         let cell = self.cell_words(slot);
@@ -256,11 +296,16 @@ impl<'a> Table<'a> {
             word::clear_high(&cell[0], NEW);
         }
         word::add_low(&cell[0], count);
-        for (sum, value) in cell[1..].iter().zip(values) {
+        let sums = &cell[1..L::MOMENTS_AT];
+        for (sum, value) in sums.iter().zip(&values[6 - L::SUMS..]) {
             // Most light has no share in most sums, and an atomic addition costs more than the question.
             if *value != 0 {
                 word::add(sum, *value);
             }
+        }
+        if L::MOMENTS {
+            let squares = if count == 1 { square(luminance(values)) } else { shared_square(values, count) };
+            add_wide(&cell[L::MOMENTS_AT..], squares);
         }
     }
 
@@ -287,17 +332,13 @@ impl<'a> Table<'a> {
         let words = self.cell_words(slot);
         let head = word::get(&words[0]);
         let sum = |k: usize| word::get(&words[k]);
-        Cell {
-            slot,
-            tag: (head >> 32) as u32,
-            count: head as u32,
-            direct: [sum(1), sum(2), sum(3)],
-            further: [sum(4), sum(5), sum(6)],
-        }
+        let first = [sum(1), sum(2), sum(3)];
+        let (direct, further) = if L::SPLIT { (first, [sum(4), sum(5), sum(6)]) } else { ([0; 3], first) };
+        Cell { slot, tag: (head >> 32) as u32, count: head as u32, direct, further }
     }
 
     /// All occupied cells in the order of their slots.
-    pub fn cells(&self) -> impl Iterator<Item = Cell> + use<'a> {
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + use<'a, L> {
         let table = *self;
         (0..=table.mask).map(move |slot| table.cell(slot)).filter(|cell| cell.tag != EMPTY)
     }
@@ -308,10 +349,25 @@ impl<'a> Table<'a> {
     }
 
     pub(crate) fn padding(&self, slot: u32) -> u64 {
-        word::get(&self.cell_words(slot)[7])
+        self.cell_words(slot)[L::USED..].iter().fold(0, |all, spare| all | word::get(spare))
     }
 
     pub(crate) const fn mask(&self) -> u32 {
         self.mask
+    }
+}
+
+/// The sum of `count` equal squares, for deposits of together `values`.
+const fn shared_square(values: &Quanta, count: u32) -> u128 {
+    if count == 0 { 0 } else { square(luminance(values) / count as u64) * count as u128 }
+}
+
+/// Adds to a sum of two words, low word first.
+#[inline]
+fn add_wide(words: &[Word], value: u128) {
+    let carry = word::add_carry(&words[0], value as u64);
+    let high = (value >> 64) as u64 + carry;
+    if high != 0 {
+        word::add(&words[1], high);
     }
 }

@@ -4,6 +4,7 @@ use core::fmt;
 
 use hashcache_core::exact::CLAMP_BITS;
 
+use crate::layout::Layout;
 use crate::table::{Cell, Table};
 use crate::tag::{EMPTY, NEW, tag, tag_distance, tag_fingerprint, tag_is_new};
 
@@ -93,7 +94,7 @@ impl fmt::Display for Violation {
 
 impl core::error::Error for Violation {}
 
-impl Table<'_> {
+impl<L: Layout> Table<'_, L> {
     /// Checks every cell: that its key can be found from home, once; that new keys keep the order of claims and have no
     /// deposits; that counts and sums fit each other. In time proportional to cells × mean distance.
     ///

@@ -7,7 +7,8 @@ use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
 use crate::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
-use crate::key::{fingerprint, key};
+use crate::key::{Key, fingerprint, key};
+use crate::layout::{Keep, Layout};
 use crate::params::Params;
 use crate::table::{Claim, Found, Quanta, Table};
 use crate::word::{self, Word};
@@ -16,20 +17,35 @@ use crate::word::{self, Word};
 /// flight (10 to 16) gains nothing.
 pub(crate) const BATCH: usize = 16;
 
-/// Where a vertex's probe sequence begins: home slot and fingerprint.
+/// Where a vertex's probe sequence begins: home slot and fingerprint, and what the layout keeps of the key.
 #[derive(Clone, Copy)]
-struct Start {
+pub(crate) struct Start<K> {
     slot: u32,
     fingerprint: u32,
+    kept: K,
+}
+
+impl<K: Keep> Start<K> {
+    #[inline]
+    pub(crate) fn of<L: Layout<Kept = K>>(table: &Table<'_, L>, key: &Key) -> Self {
+        Self { slot: table.home_slot(key), fingerprint: fingerprint(key), kept: K::of(key) }
+    }
+
+    /// The cell, with word 0 of the home as read before.
+    #[inline]
+    fn find_from<L: Layout<Kept = K>>(&self, table: &Table<'_, L>, head: u64) -> Found {
+        let mut found = table.find_from(self.slot, self.fingerprint, head);
+        found.slot = found.slot.filter(|slot| self.kept.stands_in(table.key_words(*slot)));
+        found
+    }
 }
 
 #[inline]
-fn start(table: &Table<'_>, params: &Params, vertex: &VertexRecord, salt: u32) -> Option<Start> {
+fn start<L: Layout>(table: &Table<'_, L>, params: &Params, vertex: &VertexRecord, salt: u32) -> Option<Start<L::Kept>> {
     if vertex.flags & VertexRecord::VALID == 0 {
         return None;
     }
-    let key = key(params, vertex, salt)?;
-    Some(Start { slot: table.home_slot(&key), fingerprint: fingerprint(&key) })
+    Some(Start::of(table, &key(params, vertex, salt)?))
 }
 
 /// The starts of up to [`BATCH`] vertices, each with the first word of its home.
@@ -37,7 +53,12 @@ fn start(table: &Table<'_>, params: &Params, vertex: &VertexRecord, salt: u32) -
 /// The words are read in a loop of their own: only so close together do their misses overlap (keys take more
 /// instructions than a core looks ahead).
 #[inline]
-fn starts(table: &Table<'_>, params: &Params, vertices: &[VertexRecord], salt: u32) -> [Option<(Start, u64)>; BATCH] {
+fn starts<L: Layout>(
+    table: &Table<'_, L>,
+    params: &Params,
+    vertices: &[VertexRecord],
+    salt: u32,
+) -> [Option<(Start<L::Kept>, u64)>; BATCH] {
     let mut starts = [None; BATCH];
     for (to, vertex) in starts.iter_mut().zip(vertices) {
         *to = start(table, params, vertex, salt).map(|start| (start, 0));
@@ -51,7 +72,7 @@ fn starts(table: &Table<'_>, params: &Params, vertices: &[VertexRecord], salt: u
 /// Claims a cell for every vertex that has a key. True when some key was refused.
 ///
 /// Any number of threads may claim parts of the same vertices.
-pub fn claim_vertices(table: &Table<'_>, params: &Params, vertices: &[VertexRecord]) -> bool {
+pub fn claim_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord]) -> bool {
     let mut refused = false;
     for batch in vertices.chunks(BATCH) {
         for (start, head) in starts(table, params, batch, SALT_DEPOSIT).into_iter().flatten() {
@@ -64,7 +85,12 @@ pub fn claim_vertices(table: &Table<'_>, params: &Params, vertices: &[VertexReco
 /// Deposits every vertex into the cell that was claimed for it. What finds no cell, and what is cut off, is counted.
 ///
 /// Any number of threads may deposit parts of the same vertices, each with its own counters.
-pub fn deposit_vertices(table: &Table<'_>, params: &Params, vertices: &[VertexRecord], counters: &mut Counters) {
+pub fn deposit_vertices<L: Layout>(
+    table: &Table<'_, L>,
+    params: &Params,
+    vertices: &[VertexRecord],
+    counters: &mut Counters,
+) {
     for batch in vertices.chunks(BATCH) {
         let starts = starts(table, params, batch, SALT_DEPOSIT);
         for (start, vertex) in starts.into_iter().zip(batch) {
@@ -72,8 +98,8 @@ pub fn deposit_vertices(table: &Table<'_>, params: &Params, vertices: &[VertexRe
                 continue;
             }
             counters.deposits += 1;
-            let values = quantize_vertex(params, vertex);
-            let found = start.map(|(start, head)| table.find_from(start.slot, start.fingerprint, head));
+            let values = quantize_for::<L>(params, vertex);
+            let found = start.map(|(start, head)| start.find_from(table, head));
             let stored = deposit_found(table, found, &values, counters);
             note_all(&values, stored, counters);
         }
@@ -96,7 +122,12 @@ fn note_all(values: &[Quantized; 6], stored: bool, counters: &mut Counters) {
 }
 
 #[inline]
-fn deposit_found(table: &Table<'_>, found: Option<Found>, values: &[Quantized; 6], counters: &mut Counters) -> bool {
+fn deposit_found<L: Layout>(
+    table: &Table<'_, L>,
+    found: Option<Found>,
+    values: &[Quantized; 6],
+    counters: &mut Counters,
+) -> bool {
     counters.probes += found.map_or(0, |found| u64::from(found.probes));
     let Some((found, slot)) = found.and_then(|found| Some((found, found.slot?))) else {
         counters.refusals += 1;
@@ -122,54 +153,101 @@ pub fn quantize_vertex(params: &Params, vertex: &VertexRecord) -> [Quantized; 6]
     [quantize(q, a), quantize(q, b), quantize(q, c), quantize(q, d), quantize(q, e), quantize(q, f)]
 }
 
+/// The channels as a cell of the layout takes them: [`quantize_vertex`], or direct and further light added (as floats)
+/// and in the place of the latter.
+#[inline]
+#[must_use]
+pub fn quantize_for<L: Layout>(params: &Params, vertex: &VertexRecord) -> [Quantized; 6] {
+    if L::SPLIT {
+        return quantize_vertex(params, vertex);
+    }
+    let none = Quantized { value: 0, lost: 0, outcome: Outcome::Exact };
+    let joined = |k: usize| quantize(params.quantum(), vertex.direct[k] + vertex.further[k]);
+    [none, none, none, joined(0), joined(1), joined(2)]
+}
+
 /// Illumination at every vertex, in order: `answer(i, estimate)`.
 ///
 /// Each is the mean of the cell that the vertex falls into with the lookup's own jitter; where that cell has no
 /// deposits, of the cell of the vertex's deposit; failing that, the vertex's own value (with 0 samples), NaN and
 /// infinite channels replaced by 0. A vertex without [`VertexRecord::VALID`] gets its own value, uncounted.
-pub fn estimate_vertices(
-    table: &Table<'_>,
+pub fn estimate_vertices<L: Layout>(
+    table: &Table<'_, L>,
     params: &Params,
     vertices: &[VertexRecord],
     counters: &mut Counters,
     mut answer: impl FnMut(usize, Estimate),
 ) {
+    estimate_slots(table, params, vertices, counters, |i, estimate, _| answer(i, estimate));
+}
+
+/// [`estimate_vertices`] that also tells the slot behind the answer, `None` where the vertex answers for itself:
+/// `answer(i, estimate, slot)`. [`Table::sums`] tells the mean's standard error, [`Table::touch`] notes the use.
+///
+/// ```
+/// use hashcache_core::{counters::Counters, record::VertexRecord};
+/// use hashgrid::layout::{Layout, Measured};
+/// use hashgrid::{Params, Settings, Table, Word, vertex};
+///
+/// let params = Params::new(&Settings::default())?;
+/// let storage = [const { Word::new(0) }; 64 * Measured::WORDS];
+/// let table = Table::<Measured>::with_layout(&storage, &params)?;
+/// table.clear();
+/// let dim = VertexRecord { direct: [0.5; 4], flags: VertexRecord::VALID, ..bytemuck::Zeroable::zeroed() };
+/// let vertices = [dim, VertexRecord { direct: [1.5; 4], ..dim }];
+/// let mut counters = Counters::default();
+/// vertex::claim_vertices(&table, &params, &vertices);
+/// vertex::deposit_vertices(&table, &params, &vertices, &mut counters);
+/// vertex::estimate_slots(&table, &params, &vertices, &mut counters, |_, estimate, slot| {
+///     let error = table.sums(slot.unwrap()).standard_error(params.quantum());
+///     assert_eq!((estimate.direct.x, error), (1.0, Some(0.5))); // 1 ± 0.5
+/// });
+/// # Ok::<(), hashcache_core::error::ParamError>(())
+/// ```
+pub fn estimate_slots<L: Layout>(
+    table: &Table<'_, L>,
+    params: &Params,
+    vertices: &[VertexRecord],
+    counters: &mut Counters,
+    mut answer: impl FnMut(usize, Estimate, Option<u32>),
+) {
     for (b, batch) in vertices.chunks(BATCH).enumerate() {
         let starts = starts(table, params, batch, SALT_LOOKUP);
         for (i, (start, vertex)) in starts.into_iter().zip(batch).enumerate() {
-            let found = start.map(|(start, head)| table.find_from(start.slot, start.fingerprint, head));
-            answer(b * BATCH + i, estimate_found(table, params, vertex, found, counters));
+            let found = start.map(|(start, head)| start.find_from(table, head));
+            let (estimate, slot) = estimate_found(table, params, vertex, found, counters);
+            answer(b * BATCH + i, estimate, slot);
         }
     }
 }
 
 #[inline]
-fn estimate_found(
-    table: &Table<'_>,
+fn estimate_found<L: Layout>(
+    table: &Table<'_, L>,
     params: &Params,
     vertex: &VertexRecord,
     found: Option<Found>,
     counters: &mut Counters,
-) -> Estimate {
+) -> (Estimate, Option<u32>) {
     if vertex.flags & VertexRecord::VALID == 0 {
-        return own_value(vertex, counters);
+        return (own_value(vertex, counters), None);
     }
     counters.lookups += 1;
     if let Some(estimate) = estimate_cell(table, params, found, counters) {
-        return estimate;
+        return (estimate, found.and_then(|found| found.slot));
     }
     let start = start(table, params, vertex, SALT_DEPOSIT);
-    let found = start.map(|start| table.find_at(start.slot, start.fingerprint));
+    let found = start.map(|start| start.find_from(table, table.head(start.slot)));
     if let Some(estimate) = estimate_cell(table, params, found, counters) {
-        return estimate;
+        return (estimate, found.and_then(|found| found.slot));
     }
     counters.fallbacks += 1;
-    own_value(vertex, counters)
+    (own_value(vertex, counters), None)
 }
 
 #[inline]
-fn estimate_cell(
-    table: &Table<'_>,
+fn estimate_cell<L: Layout>(
+    table: &Table<'_, L>,
     params: &Params,
     found: Option<Found>,
     counters: &mut Counters,

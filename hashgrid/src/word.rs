@@ -24,6 +24,18 @@ mod wide {
         word.fetch_add(value, Relaxed);
     }
 
+    /// Adds, and returns how often the word passed 2⁶⁴: 0 or 1.
+    #[inline]
+    pub fn add_carry(word: &Word, value: u64) -> u64 {
+        u64::from(word.fetch_add(value, Relaxed).checked_add(value).is_none())
+    }
+
+    /// The smaller of the word and `value` stays; returns the word as it was.
+    #[inline]
+    pub fn min(word: &Word, value: u64) -> u64 {
+        word.fetch_min(value, Relaxed)
+    }
+
     /// Adds to the low half, which must not wrap.
     #[inline]
     pub fn add_low(word: &Word, value: u32) {
@@ -95,6 +107,17 @@ mod pair {
         }
     }
 
+    /// Adds, and returns how often the word passed 2⁶⁴: each wrap of the high half is seen by one addition.
+    #[inline]
+    pub fn add_carry(word: &Word, value: u64) -> u64 {
+        let wraps = word.low.fetch_add(lo(value), Relaxed).checked_add(lo(value)).is_none();
+        let mut passed = u64::from(word.high.fetch_add(hi(value), Relaxed).checked_add(hi(value)).is_none());
+        if wraps {
+            passed += u64::from(word.high.fetch_add(1, Relaxed) == u32::MAX);
+        }
+        passed
+    }
+
     /// Adds to the low half, which must not wrap.
     #[inline]
     pub fn add_low(word: &Word, value: u32) {
@@ -117,11 +140,11 @@ mod pair {
 #[cfg(not(target_has_atomic = "64"))]
 pub use pair::Word;
 #[cfg(not(target_has_atomic = "64"))]
-pub(crate) use pair::{add, add_low, clear_high, get, min_high, set};
+pub(crate) use pair::{add, add_carry, add_low, clear_high, get, min_high, set};
 #[cfg(target_has_atomic = "64")]
 pub use wide::Word;
 #[cfg(target_has_atomic = "64")]
-pub(crate) use wide::{add, add_low, clear_high, get, min_high, set};
+pub(crate) use wide::{add, add_carry, add_low, clear_high, get, min, min_high, set};
 
 #[cfg(all(test, target_has_atomic = "64"))]
 mod tests {
@@ -162,6 +185,30 @@ mod tests {
         wide::set(&word, 7 << 40);
         pair::set(&twin, 7 << 40);
         assert_eq!(wide::get(&word), pair::get(&twin));
+    }
+
+    /// Carries of a 128-bit sum are seen once each, by several threads too.
+    #[test]
+    fn carries_are_seen_once() {
+        let (word, twin) = (wide::Word::new(0), pair::Word::new(0));
+        let value = |i: u32, t: u32| (u64::from(pcg2d([i, t])[0]) << 32) | u64::from(pcg2d([i, t])[1]);
+        let passed: Vec<[u64; 2]> = thread::scope(|scope| {
+            let (word, twin) = (&word, &twin);
+            let one = move |t| {
+                (0..10_000).fold([0; 2], |[a, b], i| {
+                    [a + wide::add_carry(word, value(i, t)), b + pair::add_carry(twin, value(i, t))]
+                })
+            };
+            let tasks: Vec<_> = (0..3).map(|t| scope.spawn(move || one(t))).collect();
+            tasks.into_iter().map(|task| task.join().unwrap()).collect()
+        });
+        let exact: u128 = (0..3).flat_map(|t| (0..10_000).map(move |i| u128::from(value(i, t)))).sum();
+        for (k, low) in [wide::get(&word), pair::get(&twin)].into_iter().enumerate() {
+            let high: u64 = passed.iter().map(|one| one[k]).sum();
+            assert_eq!((u128::from(high) << 64) | u128::from(low), exact);
+        }
+        let twin = pair::Word::new(u64::MAX);
+        assert_eq!((pair::add_carry(&twin, u64::MAX), pair::get(&twin)), (1, u64::MAX - 1));
     }
 
     /// The smaller stays, and who asked is told what was there.

@@ -11,6 +11,10 @@ mod hashes;
 mod jitter;
 #[path = "prop/key.rs"]
 mod key;
+#[path = "prop/layouts.rs"]
+mod layouts;
+#[path = "prop/names.rs"]
+mod names;
 #[path = "prop/validate.rs"]
 mod validate;
 

@@ -1,0 +1,91 @@
+//! Cells that know their whole key, so that no vertex is ever taken for another.
+//!
+//! Tags alone confuse two keys of one home and one fingerprint, with a probability of load·2⁻²⁵ a lookup. A layout with
+//! [`Layout::Kept`] = [`Key`] keeps the key in two words more. Since a slot is still given by its tag, two keys of one
+//! tag compete for one cell: the smaller key gets it, the other is refused and counted, as where a table is full. Who
+//! wins depends on the set of keys only. The tag stays the first question, so a lookup reads the key only where it will
+//! most likely use the cell.
+//!
+//! Naming has two steps, each by any number of threads, between claims and deposits:
+//!
+//! ```
+//! use hashcache_core::{counters::Counters, record::VertexRecord};
+//! use hashgrid::layout::{Lasting, Layout};
+//! use hashgrid::names::{Naming, name_vertices};
+//! use hashgrid::{Params, Settings, Table, Word, vertex};
+//!
+//! let params = Params::new(&Settings::default())?;
+//! let storage = [const { Word::new(0) }; 64 * Lasting::WORDS];
+//! let table = Table::<Lasting>::with_layout(&storage, &params)?;
+//! table.clear();
+//! let vertices = [VertexRecord { flags: VertexRecord::VALID, ..bytemuck::Zeroable::zeroed() }];
+//! vertex::claim_vertices(&table, &params, &vertices); // all threads, then
+//! name_vertices(&table, &params, &vertices, Naming::First); // all threads, then
+//! name_vertices(&table, &params, &vertices, Naming::Second); // all threads, then
+//! vertex::deposit_vertices(&table, &params, &vertices, &mut Counters::default());
+//! let cell = table.cells().next().unwrap();
+//! assert!(table.key(cell.slot).is_some());
+//! # Ok::<(), hashcache_core::error::ParamError>(())
+//! ```
+//!
+//! Whoever has deposits keeps the name; a cell without is named anew by every frame's claims.
+
+use hashcache_core::record::VertexRecord;
+
+use crate::jitter::SALT_DEPOSIT;
+use crate::key::{Key, key};
+use crate::layout::Layout;
+use crate::params::Params;
+use crate::table::Table;
+use crate::tag::tag_is_new;
+use crate::word;
+
+/// The steps of naming: the key's two words, one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Naming {
+    /// The smallest first word stays.
+    First,
+    /// Of those with that first word, the smallest second word stays.
+    Second,
+}
+
+/// Names the cells that [`crate::vertex::claim_vertices`] claimed for the same vertices.
+pub fn name_vertices<L: Layout<Kept = Key>>(
+    table: &Table<'_, L>,
+    params: &Params,
+    vertices: &[VertexRecord],
+    step: Naming,
+) {
+    for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
+        if let Some(key) = key(params, vertex, SALT_DEPOSIT) {
+            table.name(&key, step);
+        }
+    }
+}
+
+impl<L: Layout<Kept = Key>> Table<'_, L> {
+    /// Offers the key as the name of the cell with its tag, if that is still without deposits.
+    pub fn name(&self, key: &Key, step: Naming) {
+        let found = self.find(key);
+        let Some(slot) = found.slot.filter(|_| tag_is_new((found.head >> 32) as u32)) else { return };
+        let (words, [first, second]) = (self.key_words(slot), key.words());
+        match step {
+            Naming::First => {
+                if word::min(&words[0], first) > first {
+                    // The second word belonged to a larger name.
+                    word::set(&words[1], u64::MAX);
+                }
+            }
+            Naming::Second => {
+                if word::get(&words[0]) == first {
+                    word::min(&words[1], second);
+                }
+            }
+        }
+    }
+
+    /// The cell that has this very key.
+    pub fn find_named(&self, key: &Key) -> Option<u32> {
+        self.find(key).slot.filter(|slot| self.key(*slot).as_ref() == Some(key))
+    }
+}
