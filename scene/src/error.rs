@@ -58,10 +58,12 @@ pub enum SceneError {
         file: String,
     },
     /// A camera is needed and the scene has none.
-    #[error("{scene}: holds no perspective camera; pass --camera FILE.json with position, target, up and fov_y_deg")]
+    #[error("{scene}: holds no perspective camera; {}", pass(beside.as_deref()))]
     NoCamera {
         /// The scene.
         scene: String,
+        /// A camera file that lies beside it.
+        beside: Option<String>,
     },
     /// No camera of the scene has this name or index.
     #[error("{scene}: has no camera {name:?}; it has {known}")]
@@ -97,6 +99,14 @@ pub enum SceneError {
         /// What is accepted.
         expected: &'static str,
     },
+}
+
+/// How to name a camera.
+fn pass(beside: Option<&str>) -> String {
+    beside.map_or_else(
+        || "pass --camera FILE.json with position, target, up and fov_y_deg".into(),
+        |file| format!("pass --camera {file}, which lies beside it, or another camera file"),
+    )
 }
 
 /// `text` on one line: control characters are escaped.

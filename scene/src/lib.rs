@@ -163,7 +163,7 @@ impl Loaded {
     /// [`SceneError::NoCamera`] or [`SceneError::UnknownCamera`].
     pub fn view(&self, which: Option<&str>) -> Result<&View, SceneError> {
         let scene = || error::one_line(&self.name);
-        let Some(first) = self.cameras.first() else { return Err(SceneError::NoCamera { scene: scene() }) };
+        let Some(first) = self.cameras.first() else { return Err(self.no_camera()) };
         let Some(which) = which else { return Ok(first) };
         let by_name = self.cameras.iter().find(|v| v.name == which);
         let by_index = || which.parse::<usize>().ok().and_then(|i| self.cameras.get(i));
@@ -171,6 +171,18 @@ impl Loaded {
             let known: Vec<_> = self.cameras.iter().enumerate().map(|(i, v)| format!("{i} {:?}", v.name)).collect();
             SceneError::UnknownCamera { scene: scene(), name: which.to_owned(), known: known.join(", ") }
         })
+    }
+
+    /// A camera file beside the scene is named, not taken: a folder may hold several views.
+    fn no_camera(&self) -> SceneError {
+        let source = Path::new(&self.name);
+        let own = source.with_extension("camera.json");
+        let files = [own, source.with_file_name("camera.json")];
+        let beside = files.iter().find(|file| !self.name.starts_with(SCHEME) && View::from_file(file).is_ok());
+        SceneError::NoCamera {
+            scene: error::one_line(&self.name),
+            beside: beside.map(|file| error::one_line(&file.to_string_lossy())),
+        }
     }
 
     /// Counts and checks what has been built.

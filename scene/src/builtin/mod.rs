@@ -1,9 +1,11 @@
 //! Scenes that need no file.
 
+mod caustic_glass;
 mod cornell;
 mod furnace;
 mod instances;
 mod interior;
+mod materials;
 mod shapes;
 mod thin_wall;
 
@@ -45,7 +47,7 @@ pub struct Parameter {
     expected: &'static str,
 }
 
-const BUILTINS: [Builtin; 5] = [
+const BUILTINS: [Builtin; 6] = [
     Builtin {
         name: "cornell",
         description: "the Cornell box in RGB: one area light, two blocks, coloured walls; 512x512",
@@ -64,7 +66,7 @@ const BUILTINS: [Builtin; 5] = [
     },
     Builtin {
         name: "interior",
-        description: "a furnished room whose lamps are hidden and shine at the ceiling: nearly all light is indirect; 640x360",
+        description: "a furnished room whose lamps are hidden and shine at the ceiling, with a polished floor, a mirror and glass: nearly all light is indirect; 640x360",
         parameter: None,
         build: |builder, _| interior::build(builder),
         view: interior::view,
@@ -85,6 +87,14 @@ const BUILTINS: [Builtin; 5] = [
         build: |builder, _| instances::build(builder),
         view: instances::view,
         size: [640, 360],
+    },
+    Builtin {
+        name: "caustic-glass",
+        description: "a clear ball and an amber ring of glass, and the light that they gather on a floor; 512x384",
+        parameter: None,
+        build: |builder, _| caustic_glass::build(builder),
+        view: caustic_glass::view,
+        size: [512, 384],
     },
 ];
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use hashcache_core::hash::{pcg, to_unit_f32};
 
-use super::{BOOK_COLORS, BOOKS, CLAY, CLOTH, CUSHION, DARK, RUG, WALL, WOOD};
+use super::{BALL, BOOK_COLORS, BOOKS, CLAY, CLOTH, CUSHION, DARK, MIRROR, PANE, RUG, WALL, WOOD};
 use crate::builder::Builder;
 use crate::builtin::shapes::{cuboid, lathe, parallelogram, sphere, surface};
 
@@ -15,6 +15,7 @@ pub(super) fn build(builder: &mut Builder) {
     table(builder);
     shelf(builder);
     picture(builder);
+    looking_glass(builder);
     curtain(builder);
     screen(builder);
     // A rug of two centimetres.
@@ -53,7 +54,8 @@ fn table(builder: &mut Builder) {
     for (x, z) in [(1.93, 1.93), (3.11, 1.93), (1.93, 2.61), (3.11, 2.61)] {
         cuboid(builder, [x, 0.02, z], [x + 0.06, 0.4, z + 0.06], WOOD);
     }
-    sphere(builder, DVec3::new(2.85, 0.56, 2.2), 0.12, [32, 16], CUSHION);
+    // A hair above the top, so that the glass is closed.
+    sphere(builder, DVec3::new(2.85, 0.561, 2.2), 0.12, [48, 24], BALL);
     let vase = |v: f64| [0.05 + 0.05 * (TAU * (0.6 * v + 0.05)).sin().powi(2), 0.36 * v];
     lathe(builder, DVec3::new(2.15, 0.441, 2.15), [32, 20], WALL, vase);
     lathe(builder, DVec3::new(2.45, 0.441, 2.5), [32, 8], CLAY, |v| [0.02 + 0.13 * v.sqrt(), 0.09 * v]);
@@ -73,6 +75,9 @@ fn shelf(builder: &mut Builder) {
     for x in [LEFT - BOARD, RIGHT] {
         cuboid(builder, [x, 0.0, 0.01], [x + BOARD, height(ROWS) + BOARD, DEPTH], WOOD);
     }
+    // A sliding pane before the right half.
+    let (corner, along, up) = (DVec3::new(2.4, 0.1, DEPTH + 0.01), DVec3::X * 1.1, DVec3::Y * 1.83);
+    parallelogram(builder, [corner, along, up], [0.0; 2], PANE);
     let mut book = 0_u32;
     for row in 0..ROWS {
         let mut x = LEFT + 0.02;
@@ -96,6 +101,13 @@ fn picture(builder: &mut Builder) {
     cuboid(builder, [0.0, 1.25, 1.8], [0.03, 2.05, 3.0], DARK);
     let (corner, up, along) = (DVec3::new(0.031, 1.3, 1.85), DVec3::Y * 0.7, DVec3::Z * 1.1);
     parallelogram(builder, [corner, up, along], [0.35, 0.55], RUG);
+}
+
+/// On the clay wall too, nearer to the camera.
+fn looking_glass(builder: &mut Builder) {
+    cuboid(builder, [0.0, 0.8, 3.2], [0.03, 2.1, 4.2], DARK);
+    let (corner, up, along) = (DVec3::new(0.031, 0.85, 3.25), DVec3::Y * 1.2, DVec3::Z * 0.9);
+    parallelogram(builder, [corner, up, along], [0.0; 2], MIRROR);
 }
 
 /// In folds, at the back wall's right.

@@ -6,6 +6,7 @@ use glam::DVec3;
 use hashcache_core::hash::{pcg2d, to_unit_f32};
 use pt_integrator::scene::{Material, Texture, Wrap};
 
+use super::materials::{glass, mirror, pane, polished};
 use super::shapes::{cuboid, lathe, parallelogram};
 use crate::builder::Builder;
 use crate::view::View;
@@ -24,17 +25,24 @@ const CUSHION: u32 = 6;
 const RUG: u32 = 7;
 const COVE_LIGHT: u32 = 8;
 const BOWL_LIGHT: u32 = 9;
+const MIRROR: u32 = 10;
+const PANE: u32 = 11;
+const BALL: u32 = 12;
 /// The first of the books' colours.
-const BOOKS: u32 = 10;
+const BOOKS: u32 = 13;
 const BOOK_COLORS: [[f32; 3]; 5] =
     [[0.5, 0.1, 0.08], [0.08, 0.2, 0.4], [0.1, 0.3, 0.15], [0.6, 0.5, 0.3], [0.25, 0.2, 0.3]];
 
+/// Of the tiles: reflections are sharp where things stand on them and blur with the distance.
+const FLOOR_ROUGHNESS: f32 = 0.15;
+
 /// A living room. One lamp lies in a trough below the ceiling, along the back wall; one in the bowl of a floor lamp. Both
-/// shine upwards and nothing that a visitor looks at lies in their light but the ceiling and the tops of the walls.
+/// shine upwards and nothing that a visitor looks at lies in their light but the ceiling and the tops of the walls. The
+/// tiles are polished, a mirror hangs beside the picture, half of the shelf has a pane, and the ball is of glass.
 pub(super) fn build(builder: &mut Builder) {
     builder.data.materials = vec![
         Material::lambert([0.78, 0.76, 0.72]),
-        Material::lambert([1.0; 3]).textured(Material::BASE_COLOR, 0),
+        polished(Material::lambert([1.0; 3]).textured(Material::BASE_COLOR, 0), FLOOR_ROUGHNESS),
         Material::lambert([0.7, 0.36, 0.24]),
         Material::lambert([0.45, 0.29, 0.16]),
         Material::lambert([0.12, 0.11, 0.1]),
@@ -43,6 +51,9 @@ pub(super) fn build(builder: &mut Builder) {
         Material::lambert([1.0; 3]).textured(Material::BASE_COLOR, 1),
         Material::emissive([0.5; 3], [52.0, 44.0, 32.0]),
         Material::emissive([0.5; 3], [260.0, 200.0, 130.0]),
+        mirror([0.92, 0.93, 0.92]),
+        pane(),
+        glass([1.2, 0.4, 0.9]),
     ];
     builder.data.materials.extend(BOOK_COLORS.map(Material::lambert));
     checker(builder, 2, [[178, 160, 138], [116, 92, 70]]);
