@@ -49,3 +49,17 @@ impl BsdfInputs {
         }
     }
 }
+
+/// `x` within `[0, 1]`; NaN becomes 0.
+#[inline]
+pub(super) fn unit_interval(x: f32) -> f32 {
+    // `max` takes the number where the other is NaN.
+    #[expect(clippy::manual_clamp, reason = "clamp keeps NaN")]
+    x.max(0.0).min(1.0)
+}
+
+/// By channel.
+#[inline]
+pub(super) fn unit_color(color: Vec3) -> Vec3 {
+    Vec3::from_array(color.to_array().map(unit_interval))
+}

@@ -1,122 +1,57 @@
 //! Materials at a point: what they do with light, by lobes.
+//!
+//! ```
+//! use hashcache_core::glam::{Vec2, Vec3};
+//! use pt_integrator::bsdf::{Bsdf, BsdfInputs, Lobe};
+//!
+//! // Smooth glass, seen from straight above: 4 % is reflected, 96 % goes in.
+//! let glass = BsdfInputs { roughness: 0.0, specular: 1.0, transmission: 1.0, thin: false, ..BsdfInputs::lambert(Vec3::ONE) };
+//! let bsdf = Bsdf::new(&glass, Vec3::Y, Vec3::Y, true);
+//! let reflected = bsdf.sample(Lobe::Reflection, Vec2::ZERO).unwrap();
+//! assert!((reflected.weight.x - 0.04).abs() < 1e-6 && reflected.incoming == Vec3::Y);
+//! let passed = bsdf.sample(Lobe::Transmission, Vec2::ZERO).unwrap();
+//! assert!((passed.weight.x * passed.eta * passed.eta - 0.96).abs() < 1e-6 && passed.incoming == Vec3::NEG_Y);
+//! ```
+//!
+//! # Model
+//! With n·v for the cosine between normal and view, n·l for that of the light, h for the microfacet:
+//!
+//! | lobe | f |
+//! |---|---|
+//! | diffuse | base/π · (1 − metallic)(1 − transmission) · (1 − F(n·v))(1 − F(n·l)) |
+//! | reflection | F(v·h)·D·G₂ / (4 n·v n·l), F the mix of dielectric and metal, GGX with α = roughness² |
+//! | transmission | base · (1 − metallic)·transmission · (1 − F(v·h)), refracted by microfacets of the same α; straight through, with the microfacets' blur, when thin |
+//! | coat | c·F₁.₅(v·h)·D·G₂ / (4 n·v n·l), with its own normal and α |
+//!
+//! What lies under the coat is multiplied by (1 − c·F₁.₅(n·v))(1 − c·F₁.₅(n·l)); a solid has its coat on the outside.
+//! F is exact; a lobe whose α is below 2⁻¹⁰ is a delta lobe.
+//!
+//! A diffuse lobe without reflection above it is Lambert's, with the same bits: its throughput is the base color, and
+//! its weight 1.
+//!
+//! # Energy
+//! No surface reflects and passes more light than it gets. Light that microfacets reflect among themselves, that the
+//! interface throws back on the diffuse lobe, or that the coat throws back, is lost. Seen from above: 8 % for white metal
+//! of roughness 0.5 and 69 % of roughness 1; a tenth for a white dielectric. The tests print tables.
+//!
+//! # Sources
+//! glTF 2.0 appendix B with `KHR_materials_specular`, `_ior`, `_transmission`, `_volume` and `_clearcoat`; Walter et
+//! al. 2007; Heitz 2014; Dupuy & Benyoub 2023; Eto & Tokuyoshi 2023; Schlick 1994.
+//!
+//! # Deviation
+//! From appendix B: the diffuse lobe is separable, so that a cache may hold its light without knowing the viewer;
+//! dielectrics reflect exactly rather than by Schlick's approximation.
 
+mod eval;
+mod fresnel;
 mod inputs;
 mod lobe;
+mod microfacet;
+mod pick;
+mod resolve;
+mod sample;
 
+pub use fresnel::{fresnel_dielectric, schlick_weight};
 pub use inputs::BsdfInputs;
 pub use lobe::{BsdfSample, Lobe, LobePick};
-
-use glam::{Vec2, Vec3};
-
-use crate::sampling::{Basis, cosine_pdf, sample_cosine};
-
-/// A material at a point, seen from one direction.
-#[derive(Clone, Copy, Debug)]
-pub struct Bsdf {
-    normal: Vec3,
-    diffuse: Vec3,
-}
-
-impl Bsdf {
-    /// Resolves a material. `normal` is the unit shading normal on the side of `outgoing`, which is the unit direction
-    /// towards where the ray came from. `entering`: a ray that is bent here goes from the outside into the solid.
-    #[inline]
-    pub fn new(inputs: &BsdfInputs, normal: Vec3, outgoing: Vec3, entering: bool) -> Self {
-        let _ = (outgoing, entering);
-        Self { normal, diffuse: inputs.base_color.clamp(Vec3::ZERO, Vec3::ONE) }
-    }
-
-    /// Probability of each lobe, by [`Lobe`]'s number: about its share of the light that the surface reflects towards
-    /// the viewer. 0 for lobes that reflect nothing.
-    #[inline]
-    pub fn lobes(&self) -> [f32; 4] {
-        [1.0, 0.0, 0.0, 0.0]
-    }
-
-    /// Chooses a lobe with its [probability](Self::lobes); the diffuse one when the surface is black.
-    #[inline]
-    pub fn pick(&self, u: f32) -> LobePick {
-        LobePick { lobe: Lobe::Diffuse, probability: 1.0, u }
-    }
-
-    /// Chooses among all lobes but the diffuse one. `None` when there is no other.
-    #[inline]
-    pub fn pick_specular(&self, u: f32) -> Option<LobePick> {
-        let _ = u;
-        None
-    }
-
-    /// What the diffuse lobe multiplies illumination with. Exactly the base color for a Lambertian material.
-    #[inline]
-    pub fn diffuse_throughput(&self) -> Vec3 {
-        self.diffuse
-    }
-
-    /// Share of light from a direction that reaches the diffuse lobe: the factor on cos θ / π in its illumination.
-    /// Exactly 1 for a Lambertian material.
-    #[inline]
-    pub fn diffuse_weight(&self, incoming: Vec3) -> f32 {
-        let _ = incoming;
-        1.0
-    }
-
-    /// Expected share of light that all lobes but the diffuse one bring to the viewer, by channel.
-    #[inline]
-    pub fn specular_throughput(&self) -> Vec3 {
-        Vec3::ZERO
-    }
-
-    /// Perceptual roughness of a lobe, `[0, 1]`: 1 for the diffuse one, 0 for delta lobes.
-    #[inline]
-    pub fn roughness(&self, lobe: Lobe) -> f32 {
-        if lobe == Lobe::Diffuse { 1.0 } else { 0.0 }
-    }
-
-    /// Whether a lobe reflects in one direction only.
-    #[inline]
-    pub fn is_delta(&self, lobe: Lobe) -> bool {
-        lobe != Lobe::Diffuse
-    }
-
-    /// [`eval`](Self::eval) and [`pdf`](Self::pdf) together, for half the price.
-    #[inline]
-    pub fn eval_pdf(&self, lobe: Lobe, incoming: Vec3) -> (Vec3, f32) {
-        let cosine = self.normal.dot(incoming);
-        if lobe == Lobe::Diffuse && cosine > 0.0 {
-            (Vec3::splat(cosine_pdf(cosine) * self.diffuse_weight(incoming)), cosine_pdf(cosine))
-        } else {
-            (Vec3::ZERO, 0.0)
-        }
-    }
-
-    /// f·|cos θ| of a lobe for light from a unit direction. 0 for delta lobes. The diffuse lobe's is its illumination's:
-    /// without [`diffuse_throughput`](Self::diffuse_throughput).
-    #[inline]
-    pub fn eval(&self, lobe: Lobe, incoming: Vec3) -> Vec3 {
-        self.eval_pdf(lobe, incoming).0
-    }
-
-    /// Density by solid angle with which [`sample`](Self::sample) draws a direction. 0 for delta lobes.
-    #[inline]
-    pub fn pdf(&self, lobe: Lobe, incoming: Vec3) -> f32 {
-        self.eval_pdf(lobe, incoming).1
-    }
-
-    /// Draws a direction from a lobe. `None` when the point of the unit square belongs to none that reflects.
-    #[inline]
-    pub fn sample(&self, lobe: Lobe, u: Vec2) -> Option<BsdfSample> {
-        if lobe != Lobe::Diffuse {
-            return None;
-        }
-        let local = sample_cosine(u);
-        let incoming = Basis::new(self.normal).to_scene(local.truncate(), local.z);
-        Some(BsdfSample {
-            incoming,
-            weight: Vec3::splat(self.diffuse_weight(incoming)),
-            pdf: cosine_pdf(local.z),
-            is_delta: false,
-            transmitted: false,
-            eta: 1.0,
-        })
-    }
-}
+pub use resolve::{Bsdf, SMALLEST_ALPHA};

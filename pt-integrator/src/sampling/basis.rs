@@ -37,6 +37,12 @@ impl Basis {
         }
     }
 
+    /// A vector's coordinates in the basis.
+    #[inline]
+    pub fn to_local(&self, vector: Vec3) -> Vec3 {
+        Vec3::new(self.tangent.dot(vector), self.bitangent.dot(vector), self.normal.dot(vector))
+    }
+
     /// The vector with these coordinates in the basis.
     #[inline]
     pub fn to_scene(&self, tangential: Vec2, normal: f32) -> Vec3 {

@@ -1,0 +1,191 @@
+//! How much light an interface reflects.
+
+use glam::Vec3;
+use hashcache_core::float;
+
+use super::inputs::unit_interval;
+
+/// Share of unpolarised light that a smooth dielectric interface reflects, `[0, 1]`; 1 beyond the critical angle.
+///
+/// `cosine` is that of the angle to the normal, `[0, 1]`; `eta` the refractive index behind the interface over that
+/// before it, above 0.
+///
+/// # Source
+/// Fresnel's equations as in Walter et al. 2007, eq. 22, by amplitudes.
+///
+/// ```
+/// use pt_integrator::bsdf::fresnel_dielectric;
+/// assert!((fresnel_dielectric(1.0, 1.5) - 0.04).abs() < 1e-7);
+/// assert_eq!(fresnel_dielectric(0.0, 1.5), 1.0);
+/// assert_eq!(fresnel_dielectric(0.5, 1.0), 0.0);
+/// assert_eq!(fresnel_dielectric(0.5, 1.0 / 1.5), 1.0, "total reflection");
+/// ```
+#[inline]
+pub fn fresnel_dielectric(cosine: f32, eta: f32) -> f32 {
+    let squared = eta * eta;
+    // η·cos of the refracted angle, squared. In this form nothing cancels near η = 1.
+    let bent = (eta - 1.0) * (eta + 1.0) + cosine * cosine;
+    // Turned round, so that NaN reflects and does not spread.
+    if !(bent >= 0.0) {
+        return 1.0;
+    }
+    let bent = float::sqrt(bent);
+    let perpendicular = (cosine - bent) / (cosine + bent + SMALLEST);
+    let parallel = (squared * cosine - bent) / (squared * cosine + bent + SMALLEST);
+    // Rounding may give 1 + 2⁻²³.
+    (0.5 * (perpendicular * perpendicular + parallel * parallel)).min(1.0)
+}
+
+/// Keeps 0 / 0 away where both indices are equal and the angle is right; far below what a sum of cosines feels.
+const SMALLEST: f32 = 1e-30;
+
+/// (1 − `cosine`)⁵: by which share of its way to 1 reflectance has come, from normal to grazing incidence.
+///
+/// # Source
+/// Schlick 1994, eq. 15.
+#[inline]
+pub fn schlick_weight(cosine: f32) -> f32 {
+    let x = unit_interval(1.0 - cosine);
+    let squared = x * x;
+    squared * squared * x
+}
+
+/// Reflectance of a mix of dielectric and metal, resolved to `constant + exact · F + schlick · (1 − cos θ)⁵`.
+///
+/// The dielectric's reflectance is `specular · (k + (1 − k)·F)`: `k` moves reflectance at normal incidence from F₀ to
+/// min(F₀ · specular colour, 1), and leaves 1 at grazing incidence.
+///
+/// # Source
+/// glTF 2.0, appendix B, and `KHR_materials_specular`.
+///
+/// # Deviation
+/// Both take Schlick's approximation for dielectrics; this is exact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fresnel {
+    /// Refractive index behind the interface over that before it; 0 for the infinite one.
+    pub eta: f32,
+    constant: Vec3,
+    exact: Vec3,
+    schlick: Vec3,
+    /// What total reflection adds where light would otherwise have passed.
+    total: f32,
+    /// The dielectric's strongest channel: `specular · k` and `specular · (1 − k)`.
+    strongest: [f32; 2],
+}
+
+/// Reflectance of plain interfaces at an angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Angle {
+    exact: f32,
+    schlick: f32,
+    is_total: bool,
+}
+
+/// What makes a [`Fresnel`], all of it in range.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interface {
+    pub base_color: Vec3,
+    pub metallic: f32,
+    /// Of the solid over its outside; 0: infinite.
+    pub ior: f32,
+    pub specular: f32,
+    pub specular_color: Vec3,
+    /// Share of the dielectric's remaining light that is bent into or out of a solid.
+    pub refracted: f32,
+    /// The light comes from inside of the solid.
+    pub inside: bool,
+}
+
+impl Fresnel {
+    #[inline]
+    pub fn new(interface: &Interface) -> Self {
+        let &Interface { base_color, metallic, ior, specular, specular_color, refracted, inside } = interface;
+        let root = (ior - 1.0) / (ior + 1.0);
+        // The infinite index reflects in the specular colour: k is that colour, over Schlick's approximation from 0.
+        let normal = if ior == 0.0 { 0.0 } else { root * root };
+        let tinted = if ior == 0.0 { specular_color } else { specular_color * normal };
+        let k = (tinted.min(Vec3::ONE) - normal) / (1.0 - normal);
+        let dielectric = specular * (1.0 - metallic);
+        let strongest = k.max_element();
+        Self {
+            eta: if inside && ior > 0.0 { 1.0 / ior } else { ior },
+            constant: k * dielectric + base_color * metallic,
+            exact: (Vec3::ONE - k) * dielectric,
+            schlick: (Vec3::ONE - base_color) * metallic,
+            total: (1.0 - specular) * (1.0 - metallic) * refracted,
+            strongest: [specular * strongest, specular * (1.0 - strongest)],
+        }
+    }
+
+    /// Whether nothing is ever reflected.
+    #[inline]
+    pub fn is_absent(&self) -> bool {
+        let never_total = self.total == 0.0 || self.eta == 0.0 || self.eta >= 1.0;
+        let exact = self.exact == Vec3::ZERO || self.eta == 1.0;
+        exact && never_total && self.constant == Vec3::ZERO && self.schlick == Vec3::ZERO
+    }
+
+    #[inline]
+    pub fn at(&self, cosine: f32) -> Angle {
+        let schlick = schlick_weight(cosine);
+        if self.eta == 0.0 {
+            return Angle { exact: schlick, schlick, is_total: false };
+        }
+        let exact = fresnel_dielectric(cosine, self.eta);
+        let is_total = self.eta < 1.0 && (self.eta - 1.0) * (self.eta + 1.0) + cosine * cosine < 0.0;
+        Angle { exact, schlick, is_total }
+    }
+
+    /// About the mean over the microfacets of roughness α that are seen at this angle.
+    #[inline]
+    pub fn mean(&self, angle: Angle, cosine: f32, alpha: f32) -> Angle {
+        let normal = self.at(1.0);
+        let schlick = roughened(angle.schlick, normal.schlick, alpha);
+        // From inside, what matters is how many of them lie beyond the critical angle.
+        let exact = if self.eta > 0.0 && self.eta < 1.0 {
+            let tilt = 0.7 * alpha / (1.0 + 2.0 * alpha);
+            let side = |cosine: f32| fresnel_dielectric(unit_interval(cosine), self.eta);
+            (side(cosine - tilt) + angle.exact + side(cosine + tilt)) / 3.0
+        } else {
+            roughened(angle.exact, normal.exact, alpha)
+        };
+        Angle { exact, schlick, is_total: angle.is_total }
+    }
+
+    /// Share of light that is reflected, `[0, 1]` by channel.
+    #[inline]
+    pub fn reflected(&self, angle: Angle) -> Vec3 {
+        let sum = self.constant + self.exact * angle.exact + self.schlick * angle.schlick;
+        let total = if angle.is_total { self.total } else { 0.0 };
+        // Exact reflectance of an index above 3.7 falls a little below F₀ on its way to 1.
+        (sum + total).clamp(Vec3::ZERO, Vec3::ONE)
+    }
+
+    /// Share of light that the dielectric lets in, one number for all channels as in glTF: the strongest reflection's.
+    #[inline]
+    pub fn entered(&self, angle: Angle) -> f32 {
+        let [constant, exact] = self.strongest;
+        unit_interval(1.0 - (constant + exact * angle.exact))
+    }
+
+    /// [`entered`](Self::entered) for light that passes: none beyond the critical angle.
+    #[inline]
+    pub fn passed(&self, angle: Angle) -> f32 {
+        if angle.is_total { 0.0 } else { self.entered(angle) }
+    }
+}
+
+/// Expected reflectance of microfacets of roughness α, between that of their mean plane and that at normal incidence.
+///
+/// Fitted, as [`kept_by_facets`], to the energies that the tests print. Chances of lobes depend on it, never what a
+/// lobe weighs.
+#[inline]
+pub(super) fn roughened(reflectance: f32, at_normal: f32, alpha: f32) -> f32 {
+    at_normal + (reflectance - at_normal) / (1.0 + 10.0 * alpha)
+}
+
+/// Expected share of light that microfacets of roughness α send on at first try, seen at this angle.
+#[inline]
+pub(super) fn kept_by_facets(alpha: f32, cosine: f32) -> f32 {
+    1.0 - alpha * alpha * (1.7 - alpha) * (0.3 + 0.7 * cosine)
+}

@@ -1,0 +1,168 @@
+//! White furnaces: what surfaces of every kind send back of light that comes evenly from everywhere.
+//!
+//! `cargo test -p hashcache-pt-integrator --test bsdf_energy -- --nocapture` prints tables.
+#![allow(clippy::disallowed_methods, reason = "expectations come from the platform's functions")]
+
+#[path = "common/bsdfs.rs"]
+mod bsdfs;
+
+use bsdfs::{coated, glass, glossy, grid, metal, pane, seen};
+use pt_integrator::bsdf::{Bsdf, BsdfInputs, Lobe};
+use pt_integrator::glam::Vec3;
+
+const VIEWS: [f32; 4] = [1.0, 0.6, 0.2, 0.01];
+const ROUGHNESS: [f32; 7] = [0.0, 0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
+const IORS: [f32; 7] = [0.7, 1.0, 1.1, 1.33, 1.5, 2.0, 3.0];
+
+/// Energy by lobe: radiance through a solid's surface is counted without the squared index, as power is.
+fn energies(bsdf: &Bsdf) -> [Vec3; 4] {
+    const N: usize = 32;
+    Lobe::ALL.map(|lobe| {
+        let scale = if lobe == Lobe::Diffuse { bsdf.diffuse_throughput() } else { Vec3::ONE };
+        let sum: Vec3 = grid(N)
+            .filter_map(|u| bsdf.sample(lobe, u))
+            .inspect(|s| assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{s:?}"))
+            .map(|s| s.weight * (s.eta * s.eta))
+            .sum();
+        scale * sum / (N * N) as f32
+    })
+}
+
+fn energy(inputs: &BsdfInputs, cosine: f32, entering: bool) -> f32 {
+    let [a, b, c, d] = energies(&seen(inputs, cosine, entering));
+    (a + b + c + d).max_element()
+}
+
+/// Midpoints leave this much of an integral.
+const QUADRATURE: f32 = 2e-3;
+
+#[test]
+fn no_surface_creates_light() {
+    let mut worst = (0.0, String::new());
+    for ior in IORS.into_iter().chain([0.0]) {
+        for roughness in ROUGHNESS {
+            for cosine in VIEWS {
+                let half = BsdfInputs { transmission: 0.5, specular: 0.5, metallic: 0.2, ..glass(roughness, ior) };
+                let tinted = BsdfInputs { specular_color: Vec3::new(0.0, 1.0, 9.0), ..glossy(roughness) };
+                let kinds = [
+                    ("dielectric", BsdfInputs { ior, ..glossy(roughness) }),
+                    ("tinted", BsdfInputs { ior, ..tinted }),
+                    ("metal", metal(roughness)),
+                    ("pane", pane(roughness, ior)),
+                    ("glass", glass(roughness, ior)),
+                    ("glass without specular", BsdfInputs { specular: 0.0, ..glass(roughness, ior) }),
+                    ("half", half),
+                    ("half a pane", BsdfInputs { thin: true, ..half }),
+                    ("coated half", coated(half, 0.0)),
+                    ("coated", coated(BsdfInputs { ior, ..glossy(1.0) }, roughness)),
+                    ("coated Lambert", coated(BsdfInputs { specular: 0.0, ..glossy(1.0) }, roughness)),
+                    ("coated mirror", coated(metal(0.0), roughness)),
+                    ("coated metal", coated(metal(roughness), 0.3)),
+                    ("coated glass", coated(glass(0.0, ior), roughness)),
+                ];
+                for (name, inputs) in kinds {
+                    for entering in [true, false] {
+                        let energy = energy(&inputs, cosine, entering);
+                        let what =
+                            format!("{name} of roughness {roughness}, ior {ior}, at {cosine}, entering {entering}");
+                        assert!(energy <= 1.0 + QUADRATURE, "{what}: {energy}");
+                        if energy > worst.0 {
+                            worst = (energy, what);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("most light comes back from {}: {}", worst.1, worst.0);
+}
+
+#[test]
+fn smooth_surfaces_lose_none() {
+    for ior in IORS {
+        for cosine in VIEWS {
+            for entering in [true, false] {
+                for inputs in [
+                    metal(0.0),
+                    glass(0.0, ior),
+                    pane(0.0, ior),
+                    BsdfInputs { specular: 0.3, ..glass(0.0, ior) },
+                    BsdfInputs { specular_color: Vec3::new(2.0, 1.0, 2.0), ..glass(0.0, ior) },
+                    BsdfInputs { metallic: 0.4, ..glass(0.0, ior) },
+                ] {
+                    let energy = energy(&inputs, cosine, entering);
+                    let what = format!("{inputs:?} at {cosine}, entering {entering}: {energy}");
+                    assert!((0.999..1.000_1).contains(&energy), "{what}");
+                }
+            }
+        }
+        let lambert = energy(&BsdfInputs::lambert(Vec3::ONE), 0.5, true);
+        assert!((lambert - 1.0).abs() < 1e-6, "{lambert}");
+    }
+}
+
+/// The chances of lobes follow their energies.
+#[test]
+fn expected_albedos_are_near() {
+    let mut mixed = coated(glossy(0.4), 0.2);
+    (mixed.metallic, mixed.transmission) = (0.2, 0.4);
+    for roughness in ROUGHNESS {
+        for cosine in [1.0, 0.8, 0.5, 0.2, 0.05] {
+            for (inputs, entering) in [
+                (glossy(roughness), true),
+                (BsdfInputs { base_color: Vec3::splat(0.3), ..metal(roughness) }, true),
+                (glass(roughness, 1.5), true),
+                (glass(roughness, 1.5), false),
+                (pane(roughness, 1.5), true),
+                (coated(glossy(1.0), roughness), true),
+                (BsdfInputs { roughness, ..mixed }, true),
+            ] {
+                let bsdf = seen(&inputs, cosine, entering);
+                let energies = energies(&bsdf);
+                let all: Vec3 = energies.iter().sum();
+                for lobe in Lobe::ALL {
+                    let share = energies[lobe as usize].element_sum() / all.element_sum();
+                    let chance = bsdf.lobes()[lobe as usize];
+                    let what = format!("{lobe:?} of {inputs:?} at {cosine}: {chance} for {share}");
+                    assert!((share == 0.0) == (chance == 0.0) || share < 1e-4, "{what}");
+                    assert!(share <= 4.0 * chance + 1e-3 && (chance - share).abs() < 0.25, "{what}");
+                }
+                let specular = energies[1] + energies[2] + energies[3];
+                let told = bsdf.specular_throughput();
+                assert!((specular - told).abs().max_element() < 0.4, "{inputs:?} at {cosine}: {specular} {told}");
+            }
+        }
+    }
+}
+
+fn table(name: &str, inputs: impl Fn(f32, f32) -> (BsdfInputs, bool)) {
+    println!("\n{name}: energy at n·v = 1 / 0.5 / 0.1");
+    print!("{:>10}", "roughness");
+    IORS.iter().for_each(|ior| print!("{:>20}", format!("ior {ior}")));
+    println!();
+    for roughness in ROUGHNESS {
+        print!("{roughness:>10}");
+        for ior in IORS {
+            let (inputs, entering) = inputs(roughness, ior);
+            let cells = [1.0, 0.5, 0.1].map(|cosine| format!("{:.3}", energy(&inputs, cosine, entering)));
+            print!("{:>20}", cells.join("/"));
+        }
+        println!();
+    }
+}
+
+#[test]
+fn tables() {
+    table("white dielectric", |roughness, ior| (BsdfInputs { ior, ..glossy(roughness) }, true));
+    table("its reflection alone", |roughness, ior| {
+        (BsdfInputs { ior, base_color: Vec3::ZERO, ..glossy(roughness) }, true)
+    });
+    table("white metal (any ior)", |roughness, _| (metal(roughness), true));
+    table("pane", |roughness, ior| (pane(roughness, ior), true));
+    table("glass, entering", |roughness, ior| (glass(roughness, ior), true));
+    table("glass, leaving", |roughness, ior| (glass(roughness, ior), false));
+    table("coat of this roughness over a white dielectric of roughness 1", |roughness, ior| {
+        (coated(BsdfInputs { ior, ..glossy(1.0) }, roughness), true)
+    });
+    table("coat of this roughness over a white mirror (any ior)", |roughness, _| (coated(metal(0.0), roughness), true));
+}
