@@ -5,6 +5,7 @@ use crate::layout::{Keep, Layout};
 use crate::sums::Sums;
 use crate::table::Table;
 use crate::tag::NEW;
+use crate::temporal::Change;
 use crate::word::{self, Word};
 
 impl<L: Layout> Table<'_, L> {
@@ -44,6 +45,26 @@ impl<L: Layout> Table<'_, L> {
         // Asked first: a line that is only read stays in all cores' caches.
         if L::STAMP && self.stamp(slot) != frame {
             word::set(&self.cell_words(slot)[L::STAMP_AT], u64::from(frame));
+        }
+    }
+
+    /// What re-evaluated paths told of the cell; nothing in layouts without [changes](Layout::CHANGES).
+    pub fn change(&self, slot: u32) -> Change {
+        if !L::CHANGES {
+            return Change::default();
+        }
+        let words = &self.cell_words(slot)[L::CHANGES_AT..];
+        Change { difference: word::get(&words[0]), magnitude: word::get(&words[1]) }
+    }
+
+    /// Adds what a re-evaluated path tells, by any number of threads. Does nothing in layouts without
+    /// [changes](Layout::CHANGES).
+    #[inline]
+    pub fn add_change(&self, slot: u32, change: Change) {
+        if L::CHANGES {
+            let words = &self.cell_words(slot)[L::CHANGES_AT..];
+            word::add(&words[0], change.difference);
+            word::add(&words[1], change.magnitude);
         }
     }
 

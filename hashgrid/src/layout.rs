@@ -34,6 +34,7 @@
 use core::fmt::Debug;
 
 use crate::key::Key;
+use crate::names::Naming;
 #[cfg(target_has_atomic = "64")]
 use crate::word;
 use crate::word::Word;
@@ -41,7 +42,7 @@ use crate::word::Word;
 /// The parts of a cell. Implement it for a type of your own to combine parts as you need them: give [`Layout::Kept`] and
 /// the constants that differ from [`Standard`]'s. The constants from [`Layout::SUMS`] on follow from the others; leave
 /// them as they are.
-pub trait Layout: Copy + Debug + 'static {
+pub trait Layout: Copy + Debug + Send + Sync + 'static {
     /// Direct and further light each have sums. Otherwise there is one sum of both; it is reported as further light.
     const SPLIT: bool = true;
     /// A sum of the squares of the light's luminance, 128 bits.
@@ -85,6 +86,9 @@ pub trait Keep: Copy + Debug + Send + Sync + private::Sealed + 'static {
     /// Writes it, while nobody else writes.
     fn write(self, words: &[Word]);
 
+    /// Offers it as the name that the words hold, see [`crate::names`]; nothing to do for nothing.
+    fn offer(self, words: &[Word], step: Naming);
+
     /// The key that the words hold, where they hold one.
     fn read(words: &[Word]) -> Option<Key>;
 }
@@ -108,6 +112,9 @@ impl Keep for () {
     }
 
     fn write(self, _: &[Word]) {}
+
+    #[inline]
+    fn offer(self, _: &[Word], _: Naming) {}
 
     fn read(_: &[Word]) -> Option<Key> {
         None
@@ -133,6 +140,23 @@ impl Keep for Key {
         let [high, low] = self.words();
         word::set(&words[0], high);
         word::set(&words[1], low);
+    }
+
+    fn offer(self, words: &[Word], step: Naming) {
+        let [first, second] = self.words();
+        match step {
+            Naming::First => {
+                if word::min(&words[0], first) > first {
+                    // The second word belonged to a larger name.
+                    word::set(&words[1], u64::MAX);
+                }
+            }
+            Naming::Second => {
+                if word::get(&words[0]) == first {
+                    word::min(&words[1], second);
+                }
+            }
+        }
     }
 
     fn read(words: &[Word]) -> Option<Key> {

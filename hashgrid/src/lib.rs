@@ -29,6 +29,8 @@
 //! - **Tag** ([`tag`]): what the table keeps of a key: 25 bits of a second hash and the distance from home.
 //! - **Claim, deposit, lookup** ([`Table`], [`vertex`]): three phases. In the first, keys take slots; in the second, light
 //!   is added to exact sums; in the third, means are read. A phase may run on any number of threads.
+//! - **Over time** ([`temporal`], [`merge`]): sums simply go on growing; or a frame's table is merged into a lasting one by
+//!   a rule that limits, fades or wipes the history.
 //! - **Fallback**: a vertex without a cell is answered with its own value; whatever is refused, clamped or not finite is
 //!   counted, so *energy recorded = stored + refused + clamped* to the last quantum.
 //!
@@ -56,8 +58,9 @@
 //! deposited come second: with a table too full for both, the cut into batches tells who is refused.
 //!
 //! # Limits today
-//! The kernels work on the standard layout; all others are for the host. Diffuse light only (a key knows no direction of view); a table neither grows nor forgets before [`Table::clear`]; cells
-//! with few vertices are not helped by their neighbours; at most 2³⁰ deposits a cell.
+//! The kernels work on the standard layout and integrate over time; other layouts and rules are for the host. Diffuse
+//! light only (a key knows no direction of view); a table neither grows nor forgets before [`Table::clear`]; cells with
+//! few vertices are not helped by their neighbours; at most 2³⁰ deposits a cell.
 //!
 //! # Source
 //! Binder, Fricke and Keller, *Massively Parallel Path Space Filtering*, sections 3.1 and 3.2. Deviations: sizes are
@@ -76,12 +79,13 @@ mod cell;
 pub mod jitter;
 pub mod key;
 pub mod layout;
-#[cfg(target_has_atomic = "64")]
+pub mod merge;
 pub mod names;
 pub mod params;
 pub mod sums;
 pub mod table;
 pub mod tag;
+pub mod temporal;
 pub mod validate;
 pub mod vertex;
 mod word;

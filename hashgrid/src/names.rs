@@ -34,11 +34,10 @@ use hashcache_core::record::VertexRecord;
 
 use crate::jitter::SALT_DEPOSIT;
 use crate::key::{Key, key};
-use crate::layout::Layout;
+use crate::layout::{Keep, Layout};
 use crate::params::Params;
 use crate::table::Table;
 use crate::tag::tag_is_new;
-use crate::word;
 
 /// The steps of naming: the key's two words, one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,13 +48,12 @@ pub enum Naming {
     Second,
 }
 
-/// Names the cells that [`crate::vertex::claim_vertices`] claimed for the same vertices.
-pub fn name_vertices<L: Layout<Kept = Key>>(
-    table: &Table<'_, L>,
-    params: &Params,
-    vertices: &[VertexRecord],
-    step: Naming,
-) {
+/// Names the cells that [`crate::vertex::claim_vertices`] claimed for the same vertices; does nothing in layouts without
+/// keys.
+pub fn name_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord], step: Naming) {
+    if L::Kept::WORDS == 0 {
+        return;
+    }
     for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
         if let Some(key) = key(params, vertex, SALT_DEPOSIT) {
             table.name(&key, step);
@@ -63,29 +61,17 @@ pub fn name_vertices<L: Layout<Kept = Key>>(
     }
 }
 
-impl<L: Layout<Kept = Key>> Table<'_, L> {
+impl<L: Layout> Table<'_, L> {
     /// Offers the key as the name of the cell with its tag, if that is still without deposits.
     pub fn name(&self, key: &Key, step: Naming) {
         let found = self.find(key);
-        let Some(slot) = found.slot.filter(|_| tag_is_new((found.head >> 32) as u32)) else { return };
-        let (words, [first, second]) = (self.key_words(slot), key.words());
-        match step {
-            Naming::First => {
-                if word::min(&words[0], first) > first {
-                    // The second word belonged to a larger name.
-                    word::set(&words[1], u64::MAX);
-                }
-            }
-            Naming::Second => {
-                if word::get(&words[0]) == first {
-                    word::min(&words[1], second);
-                }
-            }
+        if let Some(slot) = found.slot.filter(|_| tag_is_new((found.head >> 32) as u32)) {
+            L::Kept::of(key).offer(self.key_words(slot), step);
         }
     }
 
-    /// The cell that has this very key.
+    /// The cell that has this very key; in layouts without keys, the cell that has its tag.
     pub fn find_named(&self, key: &Key) -> Option<u32> {
-        self.find(key).slot.filter(|slot| self.key(*slot).as_ref() == Some(key))
+        self.find(key).slot.filter(|slot| L::Kept::of(key).stands_in(self.key_words(*slot)))
     }
 }
