@@ -2,9 +2,10 @@
 
 use crate::key::Key;
 use crate::layout::{Keep, Layout};
+use crate::names::Naming;
 use crate::sums::Sums;
-use crate::table::Table;
-use crate::tag::NEW;
+use crate::table::{Claim, Table};
+use crate::tag::{EMPTY, NEW, tag_distance};
 use crate::temporal::Change;
 use crate::word::{self, Word};
 
@@ -72,7 +73,60 @@ impl<L: Layout> Table<'_, L> {
     pub fn key(&self, slot: u32) -> Option<Key> {
         L::Kept::read(self.key_words(slot))
     }
+
+    /// Empties a cell and moves up the cells behind it whose probe sequence it was on, so that no gap keeps them from
+    /// being found. While nobody else works on the table; between frames, not between claims and deposits, whose order
+    /// of new keys it does not keep.
+    ///
+    /// # Source
+    /// Knuth 1998, section 6.4, algorithm R.
+    pub fn remove(&self, slot: u32) {
+        let (mask, mut hole, mut distance) = (self.mask(), slot, 1);
+        while distance < self.max_probes() {
+            let from = (hole + distance) & mask;
+            let head = self.head(from);
+            let tag = (head >> 32) as u32;
+            if tag == EMPTY {
+                break;
+            }
+            if tag_distance(tag) < distance {
+                distance += 1;
+                continue;
+            }
+            let (to_words, from_words) = (self.cell_words(hole), self.cell_words(from));
+            word::set(&to_words[0], head - (u64::from(distance) << 32));
+            for (to, from) in to_words.iter().zip(from_words).skip(1) {
+                word::set(to, word::get(from));
+            }
+            (hole, distance) = (from, 1);
+        }
+        self.clear_cell(hole);
+    }
+
+    /// Claims and names a cell for the key, or finds the one it has, while nobody else works on the table and every cell
+    /// has deposits. `None` when the table has no room or another key has the tag.
+    pub(crate) fn open(&self, key: &Key) -> Option<u32> {
+        if self.claim(key) == Claim::Refused {
+            return None;
+        }
+        self.name(key, Naming::First);
+        self.name(key, Naming::Second);
+        self.find_named(key)
+    }
+
+    /// Marks a cell for eviction; the next [`touch`](Self::touch) of another frame wipes the mark.
+    pub(crate) fn mark(&self, slot: u32) {
+        let word = &self.cell_words(slot)[L::STAMP_AT];
+        word::set(word, word::get(word) | MARK);
+    }
+
+    pub(crate) fn is_marked(&self, slot: u32) -> bool {
+        word::get(&self.cell_words(slot)[L::STAMP_AT]) & MARK != 0
+    }
 }
+
+/// In the stamp's upper half: to be evicted.
+const MARK: u64 = 1 << 32;
 
 fn get_wide(words: &[Word]) -> u128 {
     u128::from(word::get(&words[1])) << 64 | u128::from(word::get(&words[0]))

@@ -174,6 +174,47 @@ pub const fn origin_shift(level: u32) -> i32 {
     0x2aaa_aaaa >> (if level < 8 { level & 1 } else { level - 8 })
 }
 
+/// How many whole cells the cells of the level above `level` are counted from farther on, beside half their index: what
+/// the modulo of [`origin_shift`] leaves.
+#[inline]
+pub const fn coarser_offset(level: u32) -> i32 {
+    (origin_shift(level + 1) - (origin_shift(level) >> 1)) >> CELL_BITS
+}
+
+/// The key of the cell on the next level that holds this cell, up to a 256th of its edge; `None` on [`MAX_LEVEL`].
+///
+/// ```
+/// # use hashgrid::{Key, key::{coarser, finer}};
+/// let key = Key { cell: [5, -3, 0], attributes: 9 | (4 << 8) };
+/// assert_eq!(coarser(&key).unwrap().cell, [2, -2, 0]);
+/// assert_eq!(finer(&coarser(&key).unwrap(), 0b011), Some(key)); // odd x, odd y, even z
+/// ```
+#[inline]
+#[must_use]
+pub const fn coarser(key: &Key) -> Option<Key> {
+    let level = key.level();
+    if level >= MAX_LEVEL {
+        return None;
+    }
+    let ([x, y, z], off) = (key.cell, coarser_offset(level));
+    Some(Key { cell: [(x >> 1) + off, (y >> 1) + off, (z >> 1) + off], attributes: key.attributes + 1 })
+}
+
+/// The key of one of the eight cells of the next finer level inside this cell, up to a 256th of its edge: `octant` has
+/// a bit for x, y, z (from the lowest) that chooses the upper half. `None` on level 0.
+#[inline]
+#[must_use]
+pub const fn finer(key: &Key, octant: u32) -> Option<Key> {
+    let level = key.level();
+    if level == 0 {
+        return None;
+    }
+    let ([x, y, z], off) = (key.cell, coarser_offset(level - 1));
+    let [a, b, c] = [(octant & 1) as i32, ((octant >> 1) & 1) as i32, ((octant >> 2) & 1) as i32];
+    let cell = [2 * (x - off) + a, 2 * (y - off) + b, 2 * (z - off) + c];
+    Some(Key { cell, attributes: key.attributes - 1 })
+}
+
 /// The hash whose low bits are the slot a key begins at.
 #[inline]
 pub const fn home(key: &Key) -> u32 {

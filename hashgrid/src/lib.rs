@@ -30,7 +30,8 @@
 //! - **Claim, deposit, lookup** ([`Table`], [`vertex`]): three phases. In the first, keys take slots; in the second, light
 //!   is added to exact sums; in the third, means are read. A phase may run on any number of threads.
 //! - **Over time** ([`temporal`], [`merge`]): sums simply go on growing; or a frame's table is merged into a lasting one by
-//!   a rule that limits, fades or wipes the history.
+//!   a rule that limits, fades or wipes the history. Cells of the lasting table change their level with the camera
+//!   ([`levels`]) and leave it, least worthy first, into coarser ones ([`evict`]).
 //! - **Fallback**: a vertex without a cell is answered with its own value; whatever is refused, clamped or not finite is
 //!   counted, so *energy recorded = stored + refused + clamped* to the last quantum.
 //!
@@ -59,8 +60,8 @@
 //!
 //! # Limits today
 //! The kernels work on the standard layout and integrate over time; other layouts and rules are for the host. Diffuse
-//! light only (a key knows no direction of view); a table neither grows nor forgets before [`Table::clear`]; cells with
-//! few vertices are not helped by their neighbours; at most 2³⁰ deposits a cell.
+//! light only (a key knows no direction of view); a table does not grow; cells with few vertices are not helped by their
+//! neighbours; at most 2³⁰ deposits a cell.
 //!
 //! # Source
 //! Binder, Fricke and Keller, *Massively Parallel Path Space Filtering*, sections 3.1 and 3.2. Deviations: sizes are
@@ -76,9 +77,11 @@ extern crate alloc;
 extern crate std;
 
 mod cell;
+pub mod evict;
 pub mod jitter;
 pub mod key;
 pub mod layout;
+pub mod levels;
 pub mod merge;
 pub mod names;
 pub mod params;

@@ -140,6 +140,13 @@ impl<'a, L: Layout, F: Layout> Merge<'a, L, F> {
         }
     }
 
+    /// Stamps what was claimed with `frame`, ahead of [`crate::levels::inherit`].
+    pub fn touch(&self, slots: Range<u32>, frame: u32) {
+        for slot in slots.filter_map(|slot| self.find(&self.place(slot)?)) {
+            self.lasting.touch(slot, frame);
+        }
+    }
+
     /// Blends each of the frame's cells into the one that was claimed for it, and stamps that with `frame`.
     pub fn add<R: Rule>(&self, slots: Range<u32>, rule: &R, frame: u32) -> Merged {
         let mut merged = Merged::default();

@@ -99,6 +99,27 @@ fn hg_origin_shift(level: u32) -> i32 {
     return i32(0x2aaaaaaau >> select(level - 8u, level & 1u, level < 8u));
 }
 
+fn hg_coarser_offset(level: u32) -> i32 {
+    return (hg_origin_shift(level + 1u) - (hg_origin_shift(level) >> 1u)) >> HG_CELL_BITS;
+}
+
+fn hg_coarser(key: HgKey) -> HgKey {
+    let level = key.attributes & 0xffu;
+    if level >= HC_MAX_LEVEL {
+        return HgKey(vec3<i32>(0), HG_NO_KEY);
+    }
+    return HgKey((key.cell >> vec3<u32>(1u)) + hg_coarser_offset(level), key.attributes + 1u);
+}
+
+fn hg_finer(key: HgKey, octant: u32) -> HgKey {
+    let level = key.attributes & 0xffu;
+    if level == 0u {
+        return HgKey(vec3<i32>(0), HG_NO_KEY);
+    }
+    let bits = vec3<i32>(vec3<u32>(octant, octant >> 1u, octant >> 2u) & vec3<u32>(1u));
+    return HgKey(2 * (key.cell - hg_coarser_offset(level - 1u)) + bits, key.attributes - 1u);
+}
+
 fn hg_key(params: HgParams, vertex: HcVertexRecord, salt: u32) -> HgKey {
     let bits = bitcast<vec4<u32>>(vertex.position_footprint);
     let magnitude = bits & vec4<u32>(0x7fffffffu);

@@ -7,8 +7,8 @@ use hashcache_dev_tests::gpu;
 use hashcache_dev_tests::harness::{Item, call, expect, inputs};
 use hashgrid::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
 use hashgrid::kernels::WGSL_KEY;
-use hashgrid::key::{fingerprint, home, key};
-use hashgrid::{Params, Settings};
+use hashgrid::key::{coarser, coarser_offset, finer, fingerprint, home, key};
+use hashgrid::{Key, Params, Settings};
 
 /// The vertex of an item's words.
 fn vertex(item: &Item) -> VertexRecord {
@@ -91,4 +91,33 @@ fn keys_are_equal_for_any_bits() {
             }
         }
     }
+}
+
+/// The way from level to level, for any cell and any attributes.
+#[test]
+fn levels_of_keys_are_equal() {
+    let Some(mut backend) = gpu::backend() else { return };
+    let items = inputs();
+    let of = |item: &Item| Key {
+        // As far as a doubled coordinate stays in 32 bits.
+        cell: [item[0], item[1], item[2]].map(|c| c as i32 >> 2),
+        attributes: (item[3] & 0xffff_ff00) | (item[4] & 31),
+    };
+    let key = "let key = HgKey(vec3<i32>(word_i32(0u), word_i32(1u), word_i32(2u)) >> vec3<u32>(2u),
+                            (word(3u) & 0xffffff00u) | (word(4u) & 31u));
+               let offset = hg_coarser_offset(word(4u) & 31u);";
+    let put = "put(0u, bitcast<u32>(other.cell.x)); put(1u, bitcast<u32>(other.cell.y));
+               put(2u, bitcast<u32>(other.cell.z)); put(3u, other.attributes); put(4u, bitcast<u32>(offset));";
+    let words = |key: &Key, other: Option<Key>| {
+        let other = other.unwrap_or(Key { cell: [0; 3], attributes: u32::MAX });
+        let [x, y, z] = other.cell.map(|c| c as u32);
+        [x, y, z, other.attributes, coarser_offset(key.level()) as u32]
+    };
+    let modules = [HASH, JITTER, PACK, LEVEL, RECORD, WGSL_KEY];
+    let body = format!("{key} let other = hg_coarser(key); {put}");
+    let found = call(&mut backend, "coarser", &modules, &body, &items);
+    assert!(found == expect(&items, |item| words(&of(item), coarser(&of(item)))));
+    let body = format!("{key} let other = hg_finer(key, word(5u)); {put}");
+    let found = call(&mut backend, "finer", &modules, &body, &items);
+    assert!(found == expect(&items, |item| words(&of(item), finer(&of(item), item[5]))));
 }
