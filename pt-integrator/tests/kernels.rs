@@ -14,14 +14,14 @@ use bytemuck::{Zeroable, bytes_of, cast_slice, cast_slice_mut};
 use common::caster::BruteForce;
 use common::scenes::{add_triangles, inward_box, quad};
 use hashcache_core::record::VertexRecord;
-use hashcache_core::stages::{EstimateRecord, from_record};
+use hashcache_core::stages::from_record;
 use hashcache_core::traits::RayCaster;
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::glam::Vec3;
 use pt_integrator::kernels::{
-    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, FIRST_VERTICES, FirstParams, RESOLVE, TRACE_FILM, TRACE_RECORDS,
-    TRACE_VISIBLE, TraceParams, VisibleParams, trace_records,
+    FIRST_VERTICES, FirstParams, RESOLVE, TRACE_FILM, TRACE_RECORDS, TRACE_VISIBLE, TraceParams, VisibleParams,
+    trace_records, trace_visible,
 };
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
@@ -130,47 +130,26 @@ fn film_is_the_same_for_every_cut() {
 }
 
 #[test]
-fn records_compose_to_the_film() {
+fn records_add_up_to_the_film() {
     let mut film = vec![FilmPixel::default(); PIXELS as usize];
     trace(&TRACE_FILM, 9.0, &params(2, 4), &mut film, 64);
     let mut traced = vec![FilmPixel::default(); PIXELS as usize];
-    let mut cached = traced.clone();
-    let mut halved = traced.clone();
     let mut seeds = Vec::new();
     for sample in [4, 5] {
         let mut records = vec![VertexRecord::zeroed(); PIXELS as usize];
         trace::<VertexRecord>(&TRACE_RECORDS, 9.0, &params(1, sample), &mut records, 10);
         assert!(records.iter().all(|r| r.flags == VertexRecord::VALID && r.position_footprint[3] > 0.0));
         seeds.extend(records.iter().map(|r| r.seed));
-        run(&COMPOSE_TRACED, &[], &[cast_slice(&records)], cast_slice_mut(&mut traced), None, None, 11);
-        // A cache that answers with the vertex's own value, then one that answers with half of it.
-        for (factor, direct_from_record, film) in [(1.0, 0, &mut cached), (0.5, 1, &mut halved)] {
-            let scaled = |v: [f32; 4]| v.map(|x| x * factor);
-            let estimates: Vec<EstimateRecord> = records
-                .iter()
-                .map(|r| EstimateRecord { direct: scaled(r.direct), further: scaled(r.further) })
-                .collect();
-            let params = ComposeParams { direct_from_record, reserved: [0; 3] };
-            let inputs = [cast_slice(&records), cast_slice(&estimates)];
-            let status = run(&COMPOSE_CACHED, bytes_of(&params), &inputs, cast_slice_mut(film), None, None, 13);
-            assert_eq!(status, Status::OK);
-        }
+        traced.iter_mut().zip(&records).for_each(|(pixel, record)| pixel.add(record.radiance()));
     }
     assert_eq!(traced, film);
-    assert_eq!(cached, film);
     seeds.sort_unstable();
     seeds.dedup();
     assert_eq!(seeds.len(), 2 * PIXELS as usize, "seeds are unique");
 
-    let resolve = |film: &[FilmPixel]| {
-        let mut radiance = vec![[0.0_f32; 4]; PIXELS as usize];
-        run(&RESOLVE, &[], &[cast_slice(film)], cast_slice_mut(&mut radiance), None, None, 17);
-        radiance
-    };
-    let (full, half) = (resolve(&film), resolve(&halved));
-    assert!(full.iter().all(|p| p[3] == 2.0));
-    assert!(full.iter().zip(&half).all(|(a, b)| b[0] <= a[0] && b[0] >= 0.5 * a[0]));
-    assert!(full.iter().zip(&half).any(|(a, b)| b[0] < a[0]));
+    let mut radiance = vec![[0.0_f32; 4]; PIXELS as usize];
+    run(&RESOLVE, &[], &[cast_slice(&film)], cast_slice_mut(&mut radiance), None, None, 17);
+    assert!(radiance.iter().zip(&film).all(|(texel, pixel)| *texel == pixel.mean().to_array() && texel[3] == 2.0));
 }
 
 /// Kernels for every number of kept vertices: the same path, seen by more records.
@@ -180,7 +159,9 @@ fn further_vertices_stand_behind_the_first() {
     let none = |count: u32| vec![VertexRecord::zeroed(); (count * PIXELS) as usize];
     let mut first = none(1);
     trace(&TRACE_RECORDS, 9.0, &params(1, 4), &mut first, 10);
-    let mut names = vec![TRACE_FILM.name, TRACE_VISIBLE.name];
+    let mut names = vec![TRACE_FILM.name];
+    names.extend((1..=8).map(|layers| trace_visible(layers).unwrap().name));
+    assert!(trace_visible(0).is_none() && trace_visible(9).is_none() && trace_visible(u32::MAX).is_none());
     for store in 1..=8 {
         let kernel = trace_records(store).unwrap();
         assert!(kernel.is_well_formed());
@@ -216,7 +197,7 @@ fn further_vertices_stand_behind_the_first() {
     }
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), 10, "names are unique");
+    assert_eq!(names.len(), 17, "names are unique");
     // A path that ends leaves nothing behind its end, not even a seed.
     let mut records = none(4);
     let ended = TraceParams { max_bounces: 0, ..params(1, 4) };
@@ -239,7 +220,7 @@ fn visible_vertices_are_those_of_paths() {
         direct_samples,
         direct_candidates: 1,
         direct_scattered: u32::from(direct_samples > 0),
-        reserved: 0,
+        max_bounces: 8,
     };
     let mut sums = [Vec3::ZERO; 2];
     for sample in 0..32 {
@@ -271,10 +252,4 @@ fn light_beyond_numbers_is_reported() {
     let (counts, status) = trace(&TRACE_FILM, 3e38, &params(1, 0), &mut film, 64);
     assert!(counts.non_finite > 0 && status.contains(Status::NON_FINITE));
     assert!(film.iter().all(|p| p.mean().is_finite() && p.mean().w == 1.0));
-
-    let record = VertexRecord { emitted: [f32::NAN, 0.0, 0.0, 0.0], ..VertexRecord::zeroed() };
-    let mut film = vec![FilmPixel::default()];
-    let status = run(&COMPOSE_TRACED, &[], &[bytes_of(&record)], cast_slice_mut(&mut film), None, None, 1);
-    assert_eq!(status, Status::NON_FINITE);
-    assert_eq!(film[0].mean().to_array(), [0.0, 0.0, 0.0, 1.0]);
 }

@@ -13,7 +13,9 @@ use hashcache_core::geometry::Ray;
 use proptest::prelude::*;
 use pt_integrator::glam::Vec3;
 use pt_integrator::packed::PackedScene;
-use pt_integrator::path::{DirectSettings, PathOutcome, PathSettings, RayCounts, Strategy, trace_path, trace_visible};
+use pt_integrator::path::{
+    DirectSettings, PathOutcome, PathSettings, RayCounts, Strategy, VisibleSettings, trace_path, trace_visible,
+};
 use pt_integrator::ray::ray_towards;
 use pt_integrator::sampler::{Independent, Sobol};
 use pt_integrator::scene::{Environment, EnvironmentImage, Material, SceneData, Texture, Wrap};
@@ -56,11 +58,15 @@ fn visible(scene: &SceneData, ray: &Ray, direct: DirectSettings, samples: u32) -
     let direct = direct.for_scene(&view);
     let mut counts = RayCounts::default();
     let one = |sample: u32| {
-        let numbers = |strategy, i| match strategy {
+        let numbers = |strategy, _, i| match strategy {
             Strategy::NextEvent => Independent::new(sample * direct.all() + i, 77),
             Strategy::Scattering => Independent::new(sample * direct.scattered + i, 78),
+            Strategy::Chain => Independent::new(sample, 79),
         };
-        trace_visible(&view, &caster, ray, &direct, numbers, &mut counts)
+        let settings = VisibleSettings { direct, max_bounces: 8 };
+        let mut layer = [PathOutcome::NONE];
+        trace_visible(&view, &caster, ray, &settings, &mut layer, numbers, &mut counts);
+        layer[0]
     };
     ((0..samples).map(one).collect(), counts)
 }
@@ -157,11 +163,16 @@ fn candidates_and_strata_reduce_noise() {
         let pixel = |seed: u32| {
             let mut one = |sample: u32| {
                 let index = |i| sample * 4 + i;
+                let settings = VisibleSettings { direct, max_bounces: 8 };
+                let mut layer = [PathOutcome::NONE];
                 if sobol {
-                    trace_visible(&view, &caster, &ray, &direct, |_, i| Sobol::new(index(i), seed), &mut counts)
+                    let numbers = |_, _, i| Sobol::new(index(i), seed);
+                    trace_visible(&view, &caster, &ray, &settings, &mut layer, numbers, &mut counts);
                 } else {
-                    trace_visible(&view, &caster, &ray, &direct, |_, i| Independent::new(index(i), seed), &mut counts)
+                    let numbers = |_, _, i| Independent::new(index(i), seed);
+                    trace_visible(&view, &caster, &ray, &settings, &mut layer, numbers, &mut counts);
                 }
+                layer[0]
             };
             (0..4).map(|sample| one(sample).direct).sum::<Vec3>() * 0.25
         };

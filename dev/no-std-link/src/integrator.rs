@@ -8,7 +8,7 @@ use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::light::{EnvironmentView, luminance, may_meet_emitter};
 use pt_integrator::packed::{SceneHeader, SceneTriangle};
-use pt_integrator::path::{DirectSettings, PathOutcome, PathSettings, RayCounts, VertexSettings};
+use pt_integrator::path::{DirectSettings, PathOutcome, PathSettings, RayCounts, VertexSettings, VisibleSettings};
 use pt_integrator::path::{trace_path, trace_path_vertices, trace_visible};
 use pt_integrator::sampler::{Independent, Sobol, pixel_seed, vertex_seed};
 use pt_integrator::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine, sample_triangle};
@@ -70,9 +70,12 @@ fn path(checks: &mut Checks) {
         trace_path_vertices(&scene, &Floor, &mut again, &ray, &whole, &mut kept, &mut counts);
         checks.that("trace_path_vertices", kept == [outcome, PathOutcome::NONE]);
         let direct = DirectSettings { samples: 1, ..DirectSettings::NONE }.for_scene(&scene);
-        let numbers = |_, i| Sobol::new(i, seed);
-        let seen = trace_visible(&scene, &Floor, &ray, &direct, numbers, &mut counts);
-        checks.that("trace_visible", (seen.direct - Vec3::ONE).abs().max_element() < 1e-5);
+        let numbers = |_, _, i| Sobol::new(i, seed);
+        let mut layers = [PathOutcome::NONE; 2];
+        let look = VisibleSettings { direct, max_bounces: 2 };
+        trace_visible(&scene, &Floor, &ray, &look, &mut layers, numbers, &mut counts);
+        let seen = (layers[0].direct - Vec3::ONE).abs().max_element() < 1e-5;
+        checks.that("trace_visible", seen && layers[1] == PathOutcome::NONE);
         checks.that("may_meet_emitter", !may_meet_emitter(scene.lights, &ray));
     }
     checks.that("FilmPixel", (pixel.mean().x - 0.5).abs() < 1e-5);

@@ -21,8 +21,7 @@ use layered_filter::{
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::kernels::{
-    COMPOSE_CACHED, COMPOSE_TRACED, ComposeParams, RESOLVE, TRACE_FILM, TRACE_VISIBLE, TraceParams, VisibleParams,
-    trace_records,
+    RESOLVE, TRACE_FILM, TraceParams, VisibleParams, trace_records, trace_visible,
 };
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
@@ -102,7 +101,7 @@ fn traced(checks: &mut Checks) -> Option<Vec<VertexRecord>> {
         direct_samples: 1,
         direct_candidates: 1,
         direct_scattered: 1,
-        reserved: 0,
+        max_bounces: settings.max_bounces,
     };
     let (params, visible) = (bytemuck::bytes_of(&params), bytemuck::bytes_of(&visible));
     let counters = words(RayCounts::WORDS);
@@ -114,7 +113,7 @@ fn traced(checks: &mut Checks) -> Option<Vec<VertexRecord>> {
         (&TRACE_FILM, params, bytemuck::cast_slice_mut(&mut film)),
         (trace_records(2)?, params, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut pairs)),
         (trace_records(1)?, params, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut records)),
-        (&TRACE_VISIBLE, visible, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut asked)),
+        (trace_visible(1)?, visible, bytemuck::cast_slice_mut::<VertexRecord, u8>(&mut asked)),
     ] {
         let slots = [
             Slot::In(packed.triangle_bytes()),
@@ -130,11 +129,8 @@ fn traced(checks: &mut Checks) -> Option<Vec<VertexRecord>> {
     checks.that("pt kept", pairs.chunks(2).zip(&records).all(|(pair, first)| pair[0] == *first && !pair[1].is_valid()));
     checks.that("pt visible", asked.iter().all(|v| v.is_valid() && !v.is_recordable() && v.direct[0] > 0.5));
 
-    let mut composed = [FilmPixel::default(); PIXELS as usize];
-    let slots = [Slot::In(bytemuck::cast_slice(&records)), Slot::Out(bytemuck::cast_slice_mut(&mut composed))];
-    checks.that(COMPOSE_TRACED.name, launch(&COMPOSE_TRACED, &[], PIXELS, slots) == Status::OK);
     let mut image = [[0.0_f32; 4]; PIXELS as usize];
-    let slots = [Slot::In(bytemuck::cast_slice(&composed)), Slot::Out(bytemuck::cast_slice_mut(&mut image))];
+    let slots = [Slot::In(bytemuck::cast_slice(&film)), Slot::Out(bytemuck::cast_slice_mut(&mut image))];
     checks.that(RESOLVE.name, launch(&RESOLVE, &[], PIXELS, slots) == Status::OK);
     checks.that("pt image", image.iter().all(|rgba| (rgba[0] - 0.5).abs() < 1e-5));
     Some(records)
@@ -160,12 +156,6 @@ fn cached(checks: &mut Checks, records: &[VertexRecord]) {
     checks.that(LOOKUP.name, launch(&LOOKUP, params, PIXELS, slots) == Status::OK);
     checks.that("grid estimates", estimates.iter().all(|e| (e.direct[0] - 1.0).abs() < 1e-5 && e.direct[3] > 0.5));
 
-    let mut film = [FilmPixel::default(); PIXELS as usize];
-    let compose = ComposeParams { direct_from_record: 0, reserved: [0; 3] };
-    let slots =
-        [Slot::In(records), Slot::In(bytemuck::cast_slice(&estimates)), Slot::Out(bytemuck::cast_slice_mut(&mut film))];
-    let status = launch(&COMPOSE_CACHED, bytemuck::bytes_of(&compose), PIXELS, slots);
-    checks.that(COMPOSE_CACHED.name, status == Status::OK && film.iter().all(is_half));
     filtered(checks, records, bytemuck::cast_slice(&estimates));
 }
 

@@ -48,13 +48,3 @@ impl TraceParams {
         VertexSettings { path: self.settings(), length: self.store_length }
     }
 }
-
-/// Parameters of [`super::COMPOSE_CACHED`]. 16 bytes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct ComposeParams {
-    /// 1: light by emitters that the vertex sees is the record's own; 0: it is the cache's, too.
-    pub direct_from_record: u32,
-    /// Zero.
-    pub reserved: [u32; 3],
-}

@@ -15,6 +15,12 @@ pub(super) const SCENE: BindingDecl = BindingDecl { name: "pt_scene", access: Ac
 pub(super) const TEXELS: BindingDecl = BindingDecl { name: "pt_texels", access: Access::In, stride: 4 };
 pub(super) const COUNTERS: BindingDecl = BindingDecl { name: "pt_counters", access: Access::AtomicU64, stride: 8 };
 
+/// The bindings of kernels that write records, `stride` bytes for each item.
+pub(super) const fn tracing_bindings(stride: u32) -> [BindingDecl; 5] {
+    let records = BindingDecl { name: "pt_records", access: Access::OutPerItem, stride };
+    [TRIANGLES, SCENE, TEXELS, records, COUNTERS]
+}
+
 /// What a launch traces in: bindings 0 to 2 and its rays.
 pub(super) struct Tracing<'a> {
     pub scene: SceneView<'a>,

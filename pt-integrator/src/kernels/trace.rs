@@ -5,7 +5,7 @@ use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Sampler;
 
 use super::TraceParams;
-use super::shared::{COUNTERS, SCENE, TEXELS, TRIANGLES, Tracing};
+use super::shared::{COUNTERS, SCENE, TEXELS, TRIANGLES, Tracing, tracing_bindings};
 use crate::film::FilmPixel;
 use crate::path::{MAX_STORED, PathOutcome, trace_path, trace_path_vertices};
 use crate::sampler::{Sobol, pixel_seed, vertex_seed};
@@ -43,7 +43,7 @@ static TRACE_MORE: [Kernel; MAX_STORED - 1] = [
     Records::<8>::kernel("pt.trace_records_8"),
 ];
 
-/// The kernel that traces one path through each pixel and writes its first `store` vertices, 1 to
+/// The kernel that traces one path through each pixel and writes its first `store` vertices that scatter diffusely, 1 to
 /// [`MAX_STORED`]; `None` for other numbers.
 ///
 /// Bindings: triangles, scene, texels, records (`store` times [`VertexRecord`] for each item, the first vertex first),
@@ -71,17 +71,7 @@ pub fn trace_records(store: u32) -> Option<&'static Kernel> {
 struct Records<const STORE: usize>;
 
 impl<const STORE: usize> Records<STORE> {
-    const BINDINGS: [BindingDecl; 5] = [
-        TRIANGLES,
-        SCENE,
-        TEXELS,
-        BindingDecl {
-            name: "pt_records",
-            access: Access::OutPerItem,
-            stride: (STORE * size_of::<VertexRecord>()) as u32,
-        },
-        COUNTERS,
-    ];
+    const BINDINGS: [BindingDecl; 5] = tracing_bindings((STORE * size_of::<VertexRecord>()) as u32);
 
     const fn kernel(name: &'static str) -> Kernel {
         Kernel {

@@ -28,11 +28,18 @@ pub struct PathOutcome {
     pub direct: Vec3,
     /// Illumination after a further scattering.
     pub further: Vec3,
-    /// Product of the albedos from the first vertex to this one, both included, over the probabilities of having
-    /// survived roulette.
+    /// Product of all scattering weights from the camera to this vertex, its diffuse albedo included, over the
+    /// probabilities of the lobes chosen and of having survived roulette.
     pub throughput: Vec3,
-    /// Light that reaches the camera straight from an emitter.
+    /// Light that reaches the camera without a scattering by a diffuse lobe.
     pub emitted: Vec3,
+    /// Whether there is a surface, but without a diffuse lobe: position, distance, normal and direction are its, and
+    /// there is nothing to cache. Never together with `has_vertex`.
+    pub is_guide: bool,
+    /// Scatterings between the camera and the vertex by lobes that are not diffuse.
+    pub layer: u32,
+    /// 1 − roughness of the lobe by which the chain of [`super::trace_visible`] goes on from here; 0 where it does not.
+    pub shininess: f32,
 }
 
 impl PathOutcome {
@@ -48,6 +55,9 @@ impl PathOutcome {
         further: Vec3::ZERO,
         throughput: Vec3::ZERO,
         emitted: Vec3::ZERO,
+        is_guide: false,
+        layer: 0,
+        shininess: 0.0,
     };
 
     /// A path that met nothing and saw `emitted`.
@@ -56,14 +66,28 @@ impl PathOutcome {
         Self { direction, emitted, ..Self::NONE }
     }
 
-    /// Becomes a vertex on this surface.
+    /// Becomes a vertex on this surface, behind `layer` scatterings by lobes that are not diffuse.
     #[inline]
-    pub(crate) fn arrive(&mut self, surface: &Surface<'_>, distance: f32, throughput: Vec3) {
+    pub(crate) fn arrive(&mut self, surface: &Surface<'_>, distance: f32, layer: u32, throughput: Vec3) {
         self.has_vertex = true;
+        self.throughput = throughput;
+        self.stand(surface, distance, layer);
+    }
+
+    /// Becomes a guide: a surface that is seen, and has nothing to cache.
+    #[inline]
+    pub(crate) fn guide(&mut self, surface: &Surface<'_>, distance: f32, layer: u32) {
+        self.is_guide = true;
+        self.stand(surface, distance, layer);
+    }
+
+    #[inline]
+    fn stand(&mut self, surface: &Surface<'_>, distance: f32, layer: u32) {
         self.position = surface.position;
         self.distance = distance;
         self.normal = surface.normal;
-        self.throughput = throughput;
+        self.direction = surface.direction;
+        self.layer = layer;
     }
 
     /// Light from an emitter that the vertex sees itself (`own`), or from further on.
@@ -98,16 +122,17 @@ impl PathOutcome {
     pub fn record(&self, pixel_angle: f32, seed: u32) -> VertexRecord {
         let valid = if self.has_vertex { VertexRecord::VALID } else { 0 };
         let secondary = if self.is_secondary { VertexRecord::SECONDARY } else { 0 };
+        let guide = if self.is_guide { VertexRecord::GUIDE } else { 0 };
         VertexRecord {
             position_footprint: self.position.extend(self.distance * pixel_angle).to_array(),
             direct: self.direct.extend(0.0).to_array(),
             further: self.further.extend(0.0).to_array(),
-            throughput: self.throughput.extend(0.0).to_array(),
+            throughput: self.throughput.extend(self.shininess).to_array(),
             emitted: self.emitted.extend(0.0).to_array(),
             normal: octahedral_encode(self.normal),
             direction: octahedral_encode(self.direction),
             seed,
-            flags: valid | secondary,
+            flags: valid | secondary | guide | VertexRecord::layer_bits(self.layer),
         }
     }
 }

@@ -1,50 +1,47 @@
 //! The loop.
 
 use core::array;
-use core::f32::consts::FRAC_1_PI;
+use core::ops::Range;
 
 use glam::Vec3;
 use hashcache_core::geometry::Ray;
 use hashcache_core::traits::{RayCaster, Sampler};
 
+use super::kept::Kept;
+use super::scatters::{Lambert, Scatters};
+use super::step::Tracer;
 use super::{PathOutcome, PathSettings, RayCounts, VertexSettings};
-use crate::light::{LightSample, may_meet_emitter, sample_light};
-use crate::ray::{offset_origin, ray_towards, segment};
-use crate::sampling::{Basis, cosine_pdf, power_heuristic, sample_cosine};
+use crate::bsdf::{Bsdf, Lobe};
 use crate::scene::Needs;
-use crate::surface::Surface;
 use crate::view::SceneView;
 
-/// The instance of `$function::<NEEDS, …>` for a scene's needs.
+/// The instance of `$function::<NEEDS, M, …>` for a scene's needs: one for each set of what Lambertian scenes may need,
+/// and one for all others, which asks the scene.
 macro_rules! for_needs {
     ($scene:expr, $function:ident, $($generics:ty),+) => {{
         const T: u32 = Needs::TEXTURES;
         const L: u32 = Needs::TRIANGLE_LIGHTS;
         const E: u32 = Needs::ENVIRONMENT_IMAGE;
-        const G: u32 = Needs::GENERAL;
-        match $scene.needs().of_loop() {
-            0 => $function::<0, $($generics),+>,
-            T => $function::<T, $($generics),+>,
-            L => $function::<L, $($generics),+>,
-            E => $function::<E, $($generics),+>,
-            x if x == T | L => $function::<{ T | L }, $($generics),+>,
-            x if x == T | E => $function::<{ T | E }, $($generics),+>,
-            x if x == L | E => $function::<{ L | E }, $($generics),+>,
-            x if x == T | L | E => $function::<{ T | L | E }, $($generics),+>,
-            G => $function::<G, $($generics),+>,
-            x if x == G | T => $function::<{ G | T }, $($generics),+>,
-            x if x == G | L => $function::<{ G | L }, $($generics),+>,
-            x if x == G | E => $function::<{ G | E }, $($generics),+>,
-            x if x == G | T | L => $function::<{ G | T | L }, $($generics),+>,
-            x if x == G | T | E => $function::<{ G | T | E }, $($generics),+>,
-            x if x == G | L | E => $function::<{ G | L | E }, $($generics),+>,
-            _ => $function::<{ G | T | L | E }, $($generics),+>,
+        match $scene.needs().bits() {
+            0 => $function::<0, Lambert, $($generics),+>,
+            T => $function::<T, Lambert, $($generics),+>,
+            L => $function::<L, Lambert, $($generics),+>,
+            E => $function::<E, Lambert, $($generics),+>,
+            x if x == T | L => $function::<{ T | L }, Lambert, $($generics),+>,
+            x if x == T | E => $function::<{ T | E }, Lambert, $($generics),+>,
+            x if x == L | E => $function::<{ L | E }, Lambert, $($generics),+>,
+            x if x == T | L | E => $function::<{ T | L | E }, Lambert, $($generics),+>,
+            _ => $function::<{ Needs::ALL }, Bsdf, $($generics),+>,
         }
     }};
 }
 pub(super) use for_needs;
 
-/// Traces one path from a camera ray of unit direction and returns its light, split at the first vertex.
+/// Traces one path from a camera ray of unit direction and returns its light, split at the first vertex that scatters
+/// by its diffuse lobe.
+///
+/// At a vertex with several lobes one is chosen, and the path is that lobe's alone. `emitted` holds light that comes to
+/// the camera without a diffuse scattering: emitters seen directly, in mirrors, through glass, and by glossy lobes.
 ///
 /// Light that is NaN or infinite is dropped with the whole path and counted. Adds to `counts`.
 ///
@@ -58,15 +55,11 @@ pub fn trace_path<C: RayCaster, S: Sampler>(
     settings: &PathSettings,
     counts: &mut RayCounts,
 ) -> PathOutcome {
-    let trace = for_needs!(scene, trace_path_for, C, S);
+    let trace = for_needs!(scene, path_for, C, S);
     trace(scene, caster, sampler, ray, settings, counts)
 }
 
-/// [`trace_path`] for scenes whose [`Needs`] are exactly `NEEDS`, decided once for many paths.
-///
-/// # Panics
-/// As [`trace_path`].
-pub fn trace_path_for<const NEEDS: u32, C: RayCaster, S: Sampler>(
+fn path_for<const NEEDS: u32, M: Scatters, C: RayCaster, S: Sampler>(
     scene: &SceneView<'_>,
     caster: &C,
     sampler: &mut S,
@@ -76,8 +69,9 @@ pub fn trace_path_for<const NEEDS: u32, C: RayCaster, S: Sampler>(
 ) -> PathOutcome {
     let settings = VertexSettings::new(*settings);
     let mut outcome = PathOutcome::NONE;
-    let mut path = Path::<NEEDS, C, S> { scene, caster, sampler, settings: &settings, counts };
-    path.trace::<true>(ray, array::from_mut(&mut outcome), Roulette::ByPixel);
+    let tracer = Tracer::<NEEDS, C> { scene, caster, counts };
+    let mut path = Path { tracer, sampler, settings: &settings, limits: Limits::OfPixel };
+    path.trace::<1, M>(ray, array::from_mut(&mut outcome));
     finish(array::from_mut(&mut outcome), counts);
     outcome
 }
@@ -85,15 +79,16 @@ pub fn trace_path_for<const NEEDS: u32, C: RayCaster, S: Sampler>(
 /// Most vertices of a path that are kept.
 pub const MAX_STORED: usize = 8;
 
-/// Traces one path from a camera ray of unit direction and keeps its first `vertices.len()` vertices, at most
-/// [`MAX_STORED`], each with the light that the rest of the path brought to it. Entries behind the path's end become
-/// [`PathOutcome::NONE`]; the first holds `emitted` in any case.
+/// Traces one path from a camera ray of unit direction and keeps its first `vertices.len()` vertices that scatter by
+/// their diffuse lobe, at most [`MAX_STORED`], each with the light that the rest of the path brought to it. Entries
+/// behind the path's end become [`PathOutcome::NONE`]; the first holds `emitted` in any case.
 ///
 /// Light that vertex j finds comes to an earlier vertex i through the scatterings at i + 1 … j, so with their albedos;
 /// what vertex i finds itself enters its illumination without any albedo.
 ///
-/// Without roulette and with one vertex this is [`trace_path`], bit for bit. Light that is NaN or infinite is dropped
-/// with the whole path and counted. Adds to `counts`.
+/// Without roulette and with one vertex this is [`trace_path`], bit for bit, as long as all surfaces are Lambertian:
+/// scatterings by other lobes come on top of those that a kept vertex is granted. Light that is NaN or infinite is
+/// dropped with the whole path and counted. Adds to `counts`.
 ///
 /// # Source
 /// Roth et al. 2020, eq. 1.
@@ -116,7 +111,7 @@ pub fn trace_path_vertices<C: RayCaster, S: Sampler>(
     trace(scene, caster, sampler, ray, settings, vertices, counts);
 }
 
-fn vertices_for<const NEEDS: u32, C: RayCaster, S: Sampler>(
+fn vertices_for<const NEEDS: u32, M: Scatters, C: RayCaster, S: Sampler>(
     scene: &SceneView<'_>,
     caster: &C,
     sampler: &mut S,
@@ -128,18 +123,19 @@ fn vertices_for<const NEEDS: u32, C: RayCaster, S: Sampler>(
     vertices.fill(PathOutcome::NONE);
     let stored = vertices.len().min(MAX_STORED);
     let vertices = &mut vertices[..stored];
-    let mut path = Path::<NEEDS, C, S> { scene, caster, sampler, settings, counts };
+    let tracer = Tracer::<NEEDS, C> { scene, caster, counts };
+    let mut path = Path { tracer, sampler, settings, limits: Limits::OfVertex };
     match vertices.len() {
         0 => {}
-        1 => path.trace::<true>(ray, vertices, Roulette::ByVertex),
-        _ => path.trace::<false>(ray, vertices, Roulette::ByVertex),
+        1 => path.trace::<1, M>(ray, vertices),
+        _ => path.trace::<MAX_STORED, M>(ray, vertices),
     }
     finish(vertices, counts);
 }
 
 /// Counts the path, and drops light that is no number.
 #[inline]
-fn finish(vertices: &mut [PathOutcome], counts: &mut RayCounts) {
+pub(super) fn finish(vertices: &mut [PathOutcome], counts: &mut RayCounts) {
     counts.paths += 1;
     if vertices.iter().all(PathOutcome::is_finite) {
         return;
@@ -150,177 +146,106 @@ fn finish(vertices: &mut [PathOutcome], counts: &mut RayCounts) {
     }
 }
 
-/// Which throughput decides whether a path goes on.
+/// What scatterings and throughput are counted from.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Roulette {
+enum Limits {
     /// From the camera: each path is one pixel's.
-    ByPixel,
-    /// Behind the last kept vertex.
-    ByVertex,
-}
-
-/// The ray from a surface to a sampled emitter.
-#[inline]
-pub(super) fn shadow_ray(surface: &Surface<'_>, light: &LightSample) -> Ray {
-    let origin = offset_origin(surface.position, surface.face, light.direction, surface.offset);
-    match light.target {
-        Some(target) => segment(origin, target),
-        None => ray_towards(origin, light.direction),
-    }
+    OfPixel,
+    /// From the last kept vertex.
+    OfVertex,
 }
 
 struct Path<'a, 'b, const NEEDS: u32, C, S> {
-    scene: &'a SceneView<'b>,
-    caster: &'a C,
+    tracer: Tracer<'a, 'b, NEEDS, C>,
     sampler: &'a mut S,
     settings: &'a VertexSettings,
-    counts: &'a mut RayCounts,
+    limits: Limits,
 }
 
-/// Where a path's ray ended: the light seen there, weighted against next-event estimation, and the surface.
-struct Arrival<'b> {
-    emitted: Vec3,
-    next: Option<Next<'b>>,
-}
-
-/// A further vertex.
-struct Next<'b> {
-    surface: Surface<'b>,
-    distance: f32,
-    direction: Vec3,
-}
-
-impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, 'b, NEEDS, C, S> {
-    /// `ONE`: only one vertex is kept.
+impl<const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, '_, NEEDS, C, S> {
+    /// `STORE`: most vertices that are kept.
     // Two copies, so that a single vertex lives in registers.
     #[inline(always)]
-    fn trace<const ONE: bool>(&mut self, ray: &Ray, vertices: &mut [PathOutcome], roulette: Roulette) {
-        self.counts.closest += 1;
-        let Some(hit) = self.caster.closest(ray) else {
-            vertices[0] = PathOutcome::seen(ray.direction, self.scene.outside::<NEEDS>(ray.direction).radiance);
-            return;
-        };
-        let mut surface = Surface::at::<NEEDS>(self.scene, &hit, ray.direction);
-        vertices[0] = PathOutcome::seen(ray.direction, surface.emission::<NEEDS>(self.scene));
+    fn trace<const STORE: usize, M: Scatters>(&mut self, ray: &Ray, vertices: &mut [PathOutcome]) {
+        let arrival = self.tracer.look(ray);
+        vertices[0] = PathOutcome::seen(ray.direction, arrival.emitted);
         let path = self.settings.path;
+        let Some(mut next) = arrival.next else { return };
         if path.max_bounces == 0 {
             return;
         }
-        let store = if ONE { 1 } else { vertices.len() };
+        let store = if STORE == 1 { 1 } else { vertices.len() };
         let length = self.settings.further() as usize;
-        let throughput = surface.albedo::<NEEDS>(self.scene);
-        let mut distance = hit.t;
-        vertices[0].arrive(&surface, distance, throughput);
-
-        // For each kept vertex, the product of the albedos behind it over the survival probabilities.
-        let mut weights = [Vec3::ONE; MAX_STORED];
+        let mut kept = Kept::<STORE>::new(arrival.weight);
+        let mut end = path.max_bounces as usize;
+        let mut distance = next.distance;
+        let mut eta = 1.0;
         let mut depth: usize = 1;
         loop {
-            // The kept vertices that light found here may still reach; the last of them has the largest weight.
-            let reached = if ONE { 0..1 } else { depth.saturating_sub(length.saturating_add(1))..depth.min(store) };
-            let last_kept = reached.end - 1;
-            let met = self.next_event(&surface);
-            for k in reached.clone() {
-                vertices[k].receive(depth == k + 1, weights[k] * met);
+            let surface = &next.surface;
+            let material = M::at::<NEEDS>(self.tracer.scene, surface);
+            let (lobe, probability) = material.pick(self.sampler);
+            let is_diffuse = lobe == Lobe::Diffuse;
+            kept.scale(if is_diffuse { material.diffuse_throughput() } else { Vec3::ONE } / probability);
+            if is_diffuse && kept.count() < store {
+                let (place, throughput) = kept.keep(depth);
+                vertices[place].is_secondary = place > 0;
+                vertices[place].arrive(surface, distance, (depth - 1 - place) as u32, throughput);
+                if self.limits == Limits::OfVertex {
+                    // Each holds all that its settings grant, and one scattering more leads to the next one.
+                    end = depth.saturating_add(length).saturating_add(store - kept.count());
+                }
+            } else if kept.last().max_element() <= 0.0 {
+                return;
             }
+            let reached = kept.reached(depth, length);
+            let met = self.tracer.next_event(self.sampler, surface, &material, lobe, next.medium);
+            self.receive(vertices, &kept, reached.clone(), depth, met);
             if depth >= path.roulette_depth as usize {
-                let weight = weights[last_kept];
-                let throughput = match roulette {
-                    Roulette::ByPixel => throughput * weight,
-                    Roulette::ByVertex => weight,
+                let mut carried = match self.limits {
+                    Limits::OfPixel => kept.from_camera(),
+                    Limits::OfVertex => kept.last(),
                 };
-                let survival = throughput.max_element().min(PathSettings::LARGEST_SURVIVAL);
+                if M::MIXED {
+                    // A lobe brings about what its choice cost, and leaving a solid what entering it did.
+                    carried *= if is_diffuse { eta * eta } else { eta * eta * probability };
+                }
+                let survival = carried.max_element().min(PathSettings::LARGEST_SURVIVAL);
                 if self.sampler.next_1d() >= survival {
                     return;
                 }
-                for weight in &mut weights[..=last_kept] {
-                    *weight /= survival;
-                }
+                kept.divide(survival);
             }
-            let last = depth == store.saturating_add(length);
-            let arrival = self.scatter(&surface, last);
-            for k in reached {
-                vertices[k].receive(depth == k + 1, weights[k] * arrival.emitted);
+            let last = depth >= end;
+            let arrival = self.tracer.scatter(self.sampler, surface, &material, lobe, next.medium, last);
+            self.receive(vertices, &kept, reached, depth, arrival.emitted);
+            let Some(further) = arrival.next else { return };
+            if M::MIXED {
+                kept.scale(arrival.weight);
+                eta *= arrival.eta;
             }
-            let Some(next) = arrival.next else { return };
-            surface = next.surface;
-            let albedo = surface.albedo::<NEEDS>(self.scene);
-            for weight in &mut weights[..=last_kept] {
-                *weight *= albedo;
-            }
-            if !ONE && depth < store {
-                distance += next.distance;
-                vertices[depth] = PathOutcome::seen(next.direction, Vec3::ZERO);
-                vertices[depth].is_secondary = true;
-                vertices[depth].arrive(&surface, distance, throughput * weights[0]);
-            } else if weights[last_kept].max_element() <= 0.0 {
-                return;
-            }
+            distance += further.distance;
+            next = further;
             depth += 1;
         }
     }
 
-    /// Illumination (without the albedo) by one sampled emitter.
-    #[inline]
-    fn next_event(&mut self, surface: &Surface<'_>) -> Vec3 {
-        if NEEDS & Needs::SAMPLED_LIGHTS == 0 {
-            return Vec3::ZERO;
+    /// Light found at scattering `depth`, for the camera or for the kept vertices that it reaches.
+    #[inline(always)]
+    fn receive<const STORE: usize>(
+        &self,
+        vertices: &mut [PathOutcome],
+        kept: &Kept<STORE>,
+        reached: Range<usize>,
+        depth: usize,
+        light: Vec3,
+    ) {
+        if kept.count() == 0 {
+            vertices[0].emitted += kept.last() * light;
         }
-        let Some(light) = sample_light::<NEEDS>(self.scene, self.sampler, surface.position) else {
-            return Vec3::ZERO;
-        };
-        let cosine = surface.normal.dot(light.direction);
-        if cosine <= 0.0 {
-            return Vec3::ZERO;
+        for place in reached {
+            let (weight, own) = kept.of(place, depth);
+            vertices[place].receive(own, weight * light);
         }
-        let shadow = shadow_ray(surface, &light);
-        self.counts.shadow_asked += 1;
-        self.counts.shadow_traced += 1;
-        if self.caster.occluded(&shadow) {
-            return Vec3::ZERO;
-        }
-        let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, cosine_pdf(cosine)) };
-        light.radiance * (FRAC_1_PI * cosine * mis / light.pdf)
-    }
-
-    /// Goes on by the cosine. The `last` ray only looks for emitters.
-    #[inline]
-    fn scatter(&mut self, surface: &Surface<'_>, last: bool) -> Arrival<'b> {
-        let local = sample_cosine(self.sampler.next_2d());
-        let pdf = cosine_pdf(local.z);
-        let direction = Basis::new(surface.normal).to_scene(local.truncate(), local.z);
-        let origin = offset_origin(surface.position, surface.face, direction, surface.offset);
-        let ray = ray_towards(origin, direction);
-        if last && self.sees_no_light(&ray) {
-            return Arrival { emitted: Vec3::ZERO, next: None };
-        }
-        self.counts.closest += 1;
-        let Some(hit) = self.caster.closest(&ray) else {
-            let seen = self.scene.outside::<NEEDS>(direction);
-            return Arrival { emitted: seen.radiance * power_heuristic(pdf, seen.pdf), next: None };
-        };
-        if last && NEEDS & Needs::TRIANGLE_LIGHTS == 0 {
-            return Arrival { emitted: Vec3::ZERO, next: None };
-        }
-        let next = Surface::at::<NEEDS>(self.scene, &hit, direction);
-        let mut emitted = Vec3::ZERO;
-        if NEEDS & Needs::TRIANGLE_LIGHTS != 0 {
-            emitted = next.emission::<NEEDS>(self.scene);
-            if emitted != Vec3::ZERO {
-                // Density of the same direction by next event: by area, times distance² over cosine.
-                let density = next.light_density::<NEEDS>(self.scene, emitted);
-                let other = density * (hit.t * hit.t) / next.face.dot(direction).abs();
-                emitted *= power_heuristic(pdf, other);
-            }
-        }
-        Arrival { emitted, next: (!last).then_some(Next { surface: next, distance: hit.t, direction }) }
-    }
-
-    /// Whether nothing that a ray may meet gives light.
-    #[inline]
-    fn sees_no_light(&self, ray: &Ray) -> bool {
-        NEEDS & Needs::ENVIRONMENT_IMAGE == 0
-            && !self.scene.header.has_constant_environment()
-            && (NEEDS & Needs::TRIANGLE_LIGHTS == 0 || !may_meet_emitter(self.scene.lights, ray))
     }
 }
