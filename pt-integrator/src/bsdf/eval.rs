@@ -83,10 +83,7 @@ impl Bsdf {
         if self.is_smooth || self.reflects == 0.0 {
             return NONE;
         }
-        let light = self.frame.to_local(incoming);
-        if !(light.z > 0.0) {
-            return NONE;
-        }
+        let Some(light) = above(self.frame.to_local(incoming)) else { return NONE };
         let met = self.ggx.reflect(light);
         let fresnel = self.fresnel.reflected(self.fresnel.at(met.cosine));
         (fresnel * (met.value * self.reflects * self.coat.passed(incoming)), met.pdf)
@@ -97,13 +94,11 @@ impl Bsdf {
         if self.passes == Vec3::ZERO {
             return NONE;
         }
-        let light = self.frame.to_local(incoming);
-        if !(light.z < 0.0) {
-            return NONE;
-        }
+        let beyond = self.frame.to_local(incoming);
+        let Some(light) = above(beyond.with_z(-beyond.z)) else { return NONE };
         let met = match self.passage {
-            Passage::ThinRough => Some(self.ggx.reflect(light.with_z(-light.z))),
-            Passage::RefractedRough => self.ggx.refract(light, self.fresnel.eta),
+            Passage::ThinRough => Some(self.ggx.reflect(light)),
+            Passage::RefractedRough => self.ggx.refract(beyond, self.fresnel.eta),
             Passage::Straight | Passage::Refracted => None,
         };
         let Some(met) = met else { return NONE };
@@ -117,10 +112,7 @@ impl Bsdf {
             return NONE;
         }
         let Some((frame, ggx)) = self.coat_facets() else { return NONE };
-        let light = frame.to_local(incoming);
-        if !(light.z > 0.0) {
-            return NONE;
-        }
+        let Some(light) = above(frame.to_local(incoming)) else { return NONE };
         let met = ggx.reflect(light);
         (Vec3::splat(met.value * self.coat.reflected(met.cosine)), met.pdf)
     }
@@ -134,6 +126,12 @@ impl Bsdf {
         let frame = Basis::new(self.coat.normal);
         Some((frame, Ggx::new(self.coat.alpha, frame.to_local(self.outgoing))))
     }
+}
+
+/// A vector with z above 0; none is NaN.
+#[inline]
+fn above(v: Vec3) -> Option<Vec3> {
+    (v.z > 0.0).then_some(v)
 }
 
 const NONE: (Vec3, f32) = (Vec3::ZERO, 0.0);

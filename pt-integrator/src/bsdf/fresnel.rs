@@ -25,14 +25,13 @@ pub fn fresnel_dielectric(cosine: f32, eta: f32) -> f32 {
     let squared = eta * eta;
     // η·cos of the refracted angle, squared. In this form nothing cancels near η = 1.
     let bent = (eta - 1.0) * (eta + 1.0) + cosine * cosine;
-    // Turned round, so that NaN reflects and does not spread.
-    if !(bent >= 0.0) {
+    if bent < 0.0 {
         return 1.0;
     }
     let bent = float::sqrt(bent);
     let perpendicular = (cosine - bent) / (cosine + bent + SMALLEST);
     let parallel = (squared * cosine - bent) / (squared * cosine + bent + SMALLEST);
-    // Rounding may give 1 + 2⁻²³.
+    // Rounding may give 1 + 2⁻²³. NaN becomes 1.
     (0.5 * (perpendicular * perpendicular + parallel * parallel)).min(1.0)
 }
 
@@ -56,7 +55,7 @@ pub fn schlick_weight(cosine: f32) -> f32 {
 /// min(F₀ · specular colour, 1), and leaves 1 at grazing incidence.
 ///
 /// # Source
-/// glTF 2.0, appendix B, and `KHR_materials_specular`.
+/// glTF 2.0, appendix B; glTF material extensions, `KHR_materials_specular`.
 ///
 /// # Deviation
 /// Both take Schlick's approximation for dielectrics; this is exact.
@@ -117,11 +116,17 @@ impl Fresnel {
         }
     }
 
+    /// Whether both indices are equal.
+    #[inline]
+    pub fn is_equal(&self) -> bool {
+        self.eta - 1.0 == 0.0
+    }
+
     /// Whether nothing is ever reflected.
     #[inline]
     pub fn is_absent(&self) -> bool {
         let never_total = self.total == 0.0 || self.eta == 0.0 || self.eta >= 1.0;
-        let exact = self.exact == Vec3::ZERO || self.eta == 1.0;
+        let exact = self.exact == Vec3::ZERO || self.is_equal();
         exact && never_total && self.constant == Vec3::ZERO && self.schlick == Vec3::ZERO
     }
 

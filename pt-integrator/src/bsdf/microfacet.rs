@@ -84,12 +84,10 @@ impl Ggx {
         let bound = self.bound();
         let facet = self.facet(u, bound);
         let light = facet.normal * (2.0 * facet.cosine) - self.view;
-        if !(light.z > 0.0) {
-            return None;
-        }
         let reach = bound * self.view.z + self.stretched;
         let pdf = self.distribution(facet.normal, 1.0) * 0.5 / reach;
-        Some((light, facet.cosine, light.z * reach / self.masking(light.z), pdf))
+        let weight = light.z * reach / self.masking(light.z);
+        (light.z > 0.0).then_some((light, facet.cosine, weight, pdf))
     }
 
     /// Refraction of light from a direction with z below 0. `eta`: index on the light's side over that on the viewer's,
@@ -101,12 +99,12 @@ impl Ggx {
         let squared = half.length_squared();
         let length = float::sqrt(squared);
         let (cosine, behind) = (self.view.dot(half) / length, -light.dot(half) / length);
-        if !(cosine > 0.0 && behind > 0.0) {
-            return None;
-        }
-        let jacobian = eta * eta * behind / squared;
-        let pdf = self.visible(half, squared, cosine) * jacobian;
-        Some(Scattering { cosine, value: pdf * self.shadowing(light.z) / (eta * eta), pdf })
+        // Such a facet shows its front to the viewer and its back to the light; NaN does neither.
+        (cosine > 0.0 && behind > 0.0).then(|| {
+            let jacobian = eta * eta * behind / squared;
+            let pdf = self.visible(half, squared, cosine) * jacobian;
+            Scattering { cosine, value: pdf * self.shadowing(light.z) / (eta * eta), pdf }
+        })
     }
 
     /// Draws light for refraction, as [`sample_reflection`](Self::sample_reflection). `None` also for total reflection.
@@ -115,14 +113,11 @@ impl Ggx {
         let facet = self.facet(u, 1.0);
         let cosine = facet.cosine;
         let (light, bent) = refracted(self.view, facet.normal, cosine, eta)?;
-        if !(light.z < 0.0) {
-            return None;
-        }
         // |view + η·light|, without its cancellation.
         let length = (eta - 1.0) * (eta + 1.0) / (cosine + bent);
         let jacobian = eta * bent / (length * length);
         let pdf = self.visible(facet.normal, 1.0, cosine) * jacobian;
-        Some((light, cosine, self.shadowing(light.z) / (eta * eta), pdf))
+        (light.z < 0.0).then_some((light, cosine, self.shadowing(light.z) / (eta * eta), pdf))
     }
 
     /// Density of facets by solid angle of their normals, for a vector in the normal's direction and its squared length.
@@ -192,9 +187,8 @@ fn stretched(alpha: f32, z: f32) -> f32 {
 #[inline]
 pub(super) fn refracted(view: Vec3, normal: Vec3, cosine: f32, eta: f32) -> Option<(Vec3, f32)> {
     let bent = (eta - 1.0) * (eta + 1.0) + cosine * cosine;
-    if !(bent > 0.0) {
-        return None;
-    }
-    let bent = float::sqrt(bent);
-    Some(((normal * (cosine - bent) - view) / eta, bent))
+    (bent > 0.0).then(|| {
+        let bent = float::sqrt(bent);
+        ((normal * (cosine - bent) - view) / eta, bent)
+    })
 }

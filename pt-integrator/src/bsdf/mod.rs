@@ -35,8 +35,8 @@
 //! of roughness 0.5 and 69 % of roughness 1; a tenth for a white dielectric. The tests print tables.
 //!
 //! # Sources
-//! glTF 2.0 appendix B with `KHR_materials_specular`, `_ior`, `_transmission`, `_volume` and `_clearcoat`; Walter et
-//! al. 2007; Heitz 2014; Dupuy & Benyoub 2023; Eto & Tokuyoshi 2023; Schlick 1994.
+//! glTF 2.0, appendix B; glTF material extensions; Walter et al. 2007; Heitz 2014; Dupuy & Benyoub 2023; Eto &
+//! Tokuyoshi 2023; Schlick 1994.
 //!
 //! # Deviation
 //! From appendix B: the diffuse lobe is separable, so that a cache may hold its light without knowing the viewer;

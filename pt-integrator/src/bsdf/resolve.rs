@@ -214,7 +214,7 @@ impl Bsdf {
     #[inline]
     fn passage_for(&self, alpha: f32, is_solid: bool) -> Passage {
         let eta = self.fresnel.eta;
-        if is_solid && eta != 0.0 && eta != 1.0 {
+        if is_solid && eta != 0.0 && !self.fresnel.is_equal() {
             // NaN free: η is above 0.
             let is_blurred = !self.is_smooth && alpha * (1.0 - 1.0 / eta).abs() >= SMALLEST_BEND;
             if is_blurred { Passage::RefractedRough } else { Passage::Refracted }
