@@ -63,6 +63,8 @@ pub fn schlick_weight(cosine: f32) -> f32 {
 pub(super) struct Fresnel {
     /// Refractive index behind the interface over that before it; 0 for the infinite one.
     pub eta: f32,
+    /// Plain reflectance at normal incidence.
+    normal: f32,
     constant: Vec3,
     exact: Vec3,
     schlick: Vec3,
@@ -77,7 +79,8 @@ pub(super) struct Fresnel {
 pub(super) struct Angle {
     exact: f32,
     schlick: f32,
-    is_total: bool,
+    /// 1 beyond the critical angle, 0 before it.
+    total: f32,
 }
 
 /// What makes a [`Fresnel`], all of it in range.
@@ -108,6 +111,7 @@ impl Fresnel {
         let strongest = k.max_element();
         Self {
             eta: if inside && ior > 0.0 { 1.0 / ior } else { ior },
+            normal,
             constant: k * dielectric + base_color * metallic,
             exact: (Vec3::ONE - k) * dielectric,
             schlick: (Vec3::ONE - base_color) * metallic,
@@ -134,36 +138,34 @@ impl Fresnel {
     pub fn at(&self, cosine: f32) -> Angle {
         let schlick = schlick_weight(cosine);
         if self.eta == 0.0 {
-            return Angle { exact: schlick, schlick, is_total: false };
+            return Angle { exact: schlick, schlick, total: 0.0 };
         }
         let exact = fresnel_dielectric(cosine, self.eta);
         let is_total = self.eta < 1.0 && (self.eta - 1.0) * (self.eta + 1.0) + cosine * cosine < 0.0;
-        Angle { exact, schlick, is_total }
+        Angle { exact, schlick, total: f32::from(is_total) }
     }
 
     /// About the mean over the microfacets of roughness α that are seen at this angle.
     #[inline]
     pub fn mean(&self, angle: Angle, cosine: f32, alpha: f32) -> Angle {
-        let normal = self.at(1.0);
-        let schlick = roughened(angle.schlick, normal.schlick, alpha);
-        // From inside, what matters is how many of them lie beyond the critical angle.
-        let exact = if self.eta > 0.0 && self.eta < 1.0 {
+        let Angle { mut exact, schlick, mut total } = angle;
+        if self.eta > 0.0 && self.eta < 1.0 {
+            // What matters is how many of them lie beyond the critical angle.
             let tilt = 0.7 * alpha / (1.0 + 2.0 * alpha);
-            let side = |cosine: f32| fresnel_dielectric(unit_interval(cosine), self.eta);
-            (side(cosine - tilt) + angle.exact + side(cosine + tilt)) / 3.0
+            let [low, high] = [cosine - tilt, cosine + tilt].map(|cosine| self.at(unit_interval(cosine)));
+            (exact, total) = ((low.exact + exact + high.exact) / 3.0, (low.total + total + high.total) / 3.0);
         } else {
-            roughened(angle.exact, normal.exact, alpha)
-        };
-        Angle { exact, schlick, is_total: angle.is_total }
+            exact = roughened(exact, self.normal, alpha);
+        }
+        Angle { exact, schlick: roughened(schlick, 0.0, alpha), total }
     }
 
     /// Share of light that is reflected, `[0, 1]` by channel.
     #[inline]
     pub fn reflected(&self, angle: Angle) -> Vec3 {
         let sum = self.constant + self.exact * angle.exact + self.schlick * angle.schlick;
-        let total = if angle.is_total { self.total } else { 0.0 };
         // Exact reflectance of an index above 3.7 falls a little below F₀ on its way to 1.
-        (sum + total).clamp(Vec3::ZERO, Vec3::ONE)
+        (sum + self.total * angle.total).clamp(Vec3::ZERO, Vec3::ONE)
     }
 
     /// Share of light that the dielectric lets in, one number for all channels as in glTF: the strongest reflection's.
@@ -176,7 +178,7 @@ impl Fresnel {
     /// [`entered`](Self::entered) for light that passes: none beyond the critical angle.
     #[inline]
     pub fn passed(&self, angle: Angle) -> f32 {
-        if angle.is_total { 0.0 } else { self.entered(angle) }
+        (1.0 - angle.total) * self.entered(angle)
     }
 }
 

@@ -189,6 +189,8 @@ pub(super) fn refracted(view: Vec3, normal: Vec3, cosine: f32, eta: f32) -> Opti
     let bent = (eta - 1.0) * (eta + 1.0) + cosine * cosine;
     (bent > 0.0).then(|| {
         let bent = float::sqrt(bent);
-        ((normal * (cosine - bent) - view) / eta, bent)
+        let light = normal * (cosine - bent) - view;
+        // Of length η, but not when η is so small that it drowns in rounding.
+        (light / float::sqrt(light.length_squared()), bent)
     })
 }

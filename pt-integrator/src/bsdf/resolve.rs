@@ -37,8 +37,11 @@ pub(super) enum Passage {
 const SMALLEST_IOR: f32 = 0.01;
 const LARGEST_IOR: f32 = 100.0;
 
-/// Least share expected of rough transmission, and α / 2 more: facets may pass light where the surface as a whole would
-/// not. 0 would leave such light out.
+/// Least share expected of rough reflection: facets may reflect light where the surface as a whole would not. 0 would
+/// leave such light out.
+const SMALLEST_REFLECTION: f32 = 1.0 / 4096.0;
+
+/// Least share expected of rough transmission, and α / 2 more through a solid, for the same reason.
 const SMALLEST_PASSAGE: f32 = 1.0 / 64.0;
 
 /// The clear coat. It lies outside of a solid, and on both sides of anything else.
@@ -171,8 +174,11 @@ impl Bsdf {
             }
             if !self.fresnel.is_absent() {
                 self.reflects = coat;
-                let kept = if self.is_smooth { 1.0 } else { kept_by_facets(alpha, view.z) };
-                self.albedos[Lobe::Reflection as usize] = self.fresnel.reflected(mean) * (coat * kept);
+                let mut reflected = self.fresnel.reflected(mean);
+                if !self.is_smooth {
+                    reflected = reflected.max(Vec3::splat(SMALLEST_REFLECTION)) * kept_by_facets(alpha, view.z);
+                }
+                self.albedos[Lobe::Reflection as usize] = reflected * coat;
             }
             self.passage = self.passage_for(alpha, is_solid);
             self.passes = passes * coat;
@@ -183,7 +189,7 @@ impl Bsdf {
                     self.fresnel.passed(mean).max(SMALLEST_PASSAGE + 0.5 * alpha) * (1.0 - lost)
                 }
                 Passage::Straight => self.fresnel.entered(mean),
-                Passage::ThinRough => self.fresnel.entered(mean) * kept_by_facets(alpha, view.z),
+                Passage::ThinRough => self.fresnel.entered(mean).max(SMALLEST_PASSAGE) * kept_by_facets(alpha, view.z),
             };
             self.albedos[Lobe::Transmission as usize] = self.passes * passed;
         }
