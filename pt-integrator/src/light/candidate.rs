@@ -89,20 +89,23 @@ pub(super) fn mean_emissions(scene: &SceneData, triangles: &[SceneTriangle], mat
             of_material[triangle.material as usize].push(index);
         }
     }
-    for (material, users) in materials.iter().zip(&of_material) {
-        if users.is_empty() {
-            continue;
-        }
-        let texture = &scene.textures[material.textures[Material::EMISSION] as usize];
-        let [r, g, b, _] = material.emission;
-        // One material's sums at a time: a texture's are two times as large as its texels.
-        let emission = TextureEmission {
-            texture,
-            texels: &scene.texels,
-            radiance: Vec3::new(r, g, b),
-            sums: LuminanceSums::new(texture, &scene.texels, Vec3::new(r, g, b)),
+    // Materials that share an image stand together, and one image's sums are kept at a time: they are twice as large as
+    // its texels.
+    let texture_of = |material: usize| &scene.textures[materials[material].textures[Material::EMISSION] as usize];
+    let mut used: Vec<usize> = (0..materials.len()).filter(|&m| !of_material[m].is_empty()).collect();
+    used.sort_by_key(|&m| image(texture_of(m)));
+    let mut kept: Option<LuminanceSums> = None;
+    let mut last = None;
+    for material in used {
+        let texture = texture_of(material);
+        let sums = match kept.take() {
+            Some(sums) if last == Some(image(texture)) => sums,
+            _ => LuminanceSums::new(texture, &scene.texels),
         };
-        for &index in users {
+        last = Some(image(texture));
+        let [r, g, b, _] = materials[material].emission;
+        let emission = TextureEmission { texture, texels: &scene.texels, radiance: Vec3::new(r, g, b), sums: &sums };
+        for &index in &of_material[material] {
             let uv = if texture.flags & Texture::SECOND_UV == 0 {
                 triangles[index as usize].uv
             } else {
@@ -110,8 +113,14 @@ pub(super) fn mean_emissions(scene: &SceneData, triangles: &[SceneTriangle], mat
             };
             means[index as usize] = emission.mean(uv.map(Vec2::from_array));
         }
+        kept = Some(sums);
     }
     means
+}
+
+/// What a texture's sums depend on.
+fn image(texture: &Texture) -> [u32; 4] {
+    [texture.first_texel, texture.width, texture.height, texture.flags & Texture::LINEAR]
 }
 
 /// A material's emission.
@@ -119,32 +128,37 @@ struct TextureEmission<'a> {
     texture: &'a Texture,
     texels: &'a [u32],
     radiance: Vec3,
-    sums: LuminanceSums,
+    sums: &'a LuminanceSums,
 }
 
 /// Share of the box about a triangle's texels in its mean. The taps alone would miss small bright spots, which only
 /// scattering would then find.
 const BOX_SHARE: f64 = 1.0 / 8.0;
 
-/// Taps along each side of the unit square.
-const TAPS: u32 = 8;
+/// Taps along each side of the unit square, for a triangle that shows few texels and one that shows many.
+const TAPS: [u32; 2] = [4, 8];
+
+/// Texels of a box that count as many: less than a tap for four of them.
+const MANY: usize = 64;
 
 impl TextureEmission<'_> {
     /// About the mean luminance on a triangle with these coordinates; 0 only when all of it is black.
     fn mean(&self, uv: [Vec2; 3]) -> f32 {
-        let around = self.sums.mean_about(self.texture, &uv);
+        let (around, texels) = self.sums.mean_about(self.texture, &uv);
         if around <= 0.0 {
             return 0.0;
         }
+        let around = around * f64::from(luminance(self.radiance));
+        let side = TAPS[usize::from(texels > MANY)];
         let [a, b, c] = uv;
         let mut taps = 0.0;
-        for i in 0..TAPS * TAPS {
-            let u = (Vec2::new((i % TAPS) as f32, (i / TAPS) as f32) + 0.5) / TAPS as f32;
+        for i in 0..side * side {
+            let u = (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
             let weights = sample_triangle(u);
             let at = a + (b - a) * weights.x + (c - a) * weights.y;
             taps += f64::from(luminance(self.radiance * sample_texture(self.texture, self.texels, at)));
         }
-        let mean = taps / f64::from(TAPS * TAPS) * (1.0 - BOX_SHARE) + around * BOX_SHARE;
+        let mean = taps / f64::from(side * side) * (1.0 - BOX_SHARE) + around * BOX_SHARE;
         // Not 0 by underflow: that would say black.
         (mean as f32).max(f32::MIN_POSITIVE)
     }

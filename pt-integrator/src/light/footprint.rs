@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use hashcache_core::texel::Wrap;
 
 use super::luminance;
@@ -19,39 +19,35 @@ pub(super) struct LuminanceSums {
     /// Entry (x, y) of `(width + 1) × (height + 1)`: sum over all texels left of x and above y. In integers, so that
     /// what is subtracted cancels to the last bit: 2³² texels of 24 bits have room.
     sums: Vec<u64>,
-    /// Luminance of 1 in `sums`.
-    unit: f64,
 }
 
-/// Steps from black to the colour of a white texel.
-const STEPS: f64 = 16_777_216.0;
+/// Steps from black to white.
+const STEPS: f32 = 16_777_216.0;
 
 /// Coordinates further out than this many texels are too coarse to tell which texels they point at.
 const FURTHEST: f32 = 4_194_304.0;
 
 impl LuminanceSums {
-    /// Of all texels, each multiplied by `color`.
-    pub(super) fn new(texture: &Texture, texels: &[u32], color: Vec3) -> Self {
+    /// Of all of a texture's texels.
+    pub(super) fn new(texture: &Texture, texels: &[u32]) -> Self {
         let (width, height) = (texture.width as usize, texture.height as usize);
         let mut sums = alloc::vec![0; (width + 1) * (height + 1)];
-        let unit = f64::from(luminance(color)) / STEPS;
-        let per_unit = if unit > 0.0 { 1.0 / unit } else { 0.0 };
         let first = texture.first_texel as usize;
         for y in 0..height {
             let mut row = 0;
             for x in 0..width {
                 let texel = decode_texel(texture, texels[first + y * width + x]);
                 // Rounded up: only black is 0.
-                row += round_up(f64::from(luminance(color * texel)) * per_unit);
+                row += round_up(luminance(texel));
                 sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + row;
             }
         }
-        Self { width, height, sums, unit }
+        Self { width, height, sums }
     }
 
-    /// Mean luminance of a box that holds all texels which a triangle with these coordinates shows. 0 only when these
-    /// are black.
-    pub(super) fn mean_about(&self, texture: &Texture, uv: &[Vec2; 3]) -> f64 {
+    /// Mean luminance of a box that holds all texels which a triangle with these coordinates shows, and its number of
+    /// texels. 0 only when these are black.
+    pub(super) fn mean_about(&self, texture: &Texture, uv: &[Vec2; 3]) -> (f64, usize) {
         let axis = |k: usize, size: usize, wrap: u32| {
             let row = texture.uv_rows[k];
             let texels = uv.map(|c| (row[0] * c.x + row[1] * c.y + row[2]) * size as f32 - 0.5);
@@ -67,14 +63,13 @@ impl LuminanceSums {
                 sum += (at(right, bottom) - at(right, top)) - (at(left, bottom) - at(left, top));
             }
         }
-        if count == 0 { 0.0 } else { sum as f64 / count as f64 * self.unit }
+        (sum as f64 / (count.max(1) as f64 * f64::from(STEPS)), count)
     }
 }
 
-/// The smallest integer that is not below `x`, which is not negative.
-fn round_up(x: f64) -> u64 {
-    let whole = x as u64;
-    whole + u64::from((whole as f64) < x)
+/// A luminance in steps; only black has none.
+fn round_up(luminance: f32) -> u64 {
+    (luminance * STEPS) as u64 + u64::from(luminance > 0.0)
 }
 
 /// Runs `[first, end)` of texel indices, the second perhaps empty, that hold all texels between three places on an

@@ -6,6 +6,7 @@ use hashcache_core::float;
 use hashcache_core::geometry::Mesh;
 
 use super::candidate::{Candidate, candidate, mean_emissions};
+use super::shares::Shares;
 use super::{AliasEntry, EnvironmentTables, TriangleLight, build_alias, triangle_density};
 use crate::packed::{SceneInstance, SceneTriangle};
 use crate::scene::{Environment, Material, NONE, PunctualLight, SceneData};
@@ -32,11 +33,6 @@ pub struct LightList {
     pub emitters: Vec<u32>,
 }
 
-/// Bounds of [`LightList::environment_probability`] when both kinds of emitters exist. Power alone would starve the
-/// lamps of a room on a wide ground plane, or the window of a hall full of lamps; either is then found by scattering
-/// only.
-const ENVIRONMENT_SHARE: (f64, f64) = (0.25, 0.75);
-
 impl LightList {
     /// The emitters of a scene; `radius` is that of a sphere about it, for the power of what shines from outside.
     /// Writes each triangle's [`SceneTriangle::emitter`] and each instance's [`SceneInstance::first_light`].
@@ -56,19 +52,13 @@ impl LightList {
 
         // All powers over π: π·area·radiance of a triangle, and flux through the scene's cross-section π·radius².
         let squared = f64::from(radius) * f64::from(radius);
-        let punctual = scene.punctual_lights.iter().map(|light| light.power_over_pi(squared));
-        let weights: Vec<f64> = found.iter().map(Candidate::weight).chain(punctual).collect();
+        let mut weights: Vec<f64> = found.iter().map(Candidate::weight).collect();
+        weights.extend(scene.punctual_lights.iter().map(|light| light.power_over_pi(squared)));
+        let sky = list.environment.as_ref().map_or(0.0, |tables| tables.flux * squared);
+        let shares = Shares::new(&mut weights, found.len(), &scene.punctual_lights, sky);
+        let scale = shares.density_per_power as f32;
         let power: f64 = weights.iter().sum();
-        let share = match &list.environment {
-            None => 0.0,
-            Some(_) if weights.is_empty() => 1.0,
-            Some(tables) => {
-                let outside = tables.flux * squared;
-                (outside / (outside + power)).clamp(ENVIRONMENT_SHARE.0, ENVIRONMENT_SHARE.1)
-            }
-        };
-        let scale = ((1.0 - share) / power) as f32;
-        if weights.is_empty() || !(scale > 0.0 && scale.is_finite()) {
+        if !(power > 0.0 && scale >= 0.0 && scale.is_finite()) {
             let environment_probability = if list.environment.is_some() { 1.0 } else { 0.0 };
             return Self { environment_probability, ..list };
         }
@@ -77,7 +67,8 @@ impl LightList {
             light.edge1[3] = triangle_density(c.radiance, c.sides > 1.0, scale);
             light
         });
-        let chosen = weights[found.len()..].iter().map(|weight| (weight / power * (1.0 - share)) as f32);
+        let listed = 1.0 - shares.environment;
+        let chosen = weights[found.len()..].iter().map(|weight| (weight / power * listed) as f32);
         let punctual = scene.punctual_lights.iter().zip(chosen).map(|(light, chosen)| {
             let mut light = *light;
             light.range[1] = chosen;
@@ -88,7 +79,7 @@ impl LightList {
             punctual: punctual.collect(),
             alias: build_alias(&weights),
             density_per_luminance: scale,
-            environment_probability: share as f32,
+            environment_probability: shares.environment as f32,
             emitters: if textured { found.iter().map(|c| c.triangle).collect() } else { Vec::new() },
             ..list
         }

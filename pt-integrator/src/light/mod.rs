@@ -13,6 +13,8 @@ mod list;
 mod meeting;
 mod punctual;
 mod sample;
+#[cfg(feature = "alloc")]
+mod shares;
 mod triangle;
 
 #[cfg(feature = "alloc")]

@@ -111,14 +111,14 @@ impl Material {
     /// Whether the material emits: a component of its emission (of its base colour, for [`Material::UNLIT`]) is above 0
     /// and all are finite. A texture may still be black.
     pub fn emits(&self) -> bool {
-        let [r, g, b, _] = self.resolved().emission;
+        let [r, g, b, _] = if self.flags & Self::UNLIT == 0 { self.emission } else { self.base_color };
         (r > 0.0 || g > 0.0 || b > 0.0) && r.is_finite() && g.is_finite() && b.is_finite()
     }
 
     /// Whether triangles shade with their own normals, as emitters without an emission texture do. Others are surfaces
     /// of which a part shines. The side that emits is in both cases the triangle's own.
     pub fn shades_flat(&self) -> bool {
-        self.emits() && self.resolved().textures[Self::EMISSION] == NONE
+        self.emits() && self.flags & Self::UNLIT == 0 && self.textures[Self::EMISSION] == NONE
     }
 
     /// The same surface said without [`Material::UNLIT`], which path tracing then need not know: a black one that emits

@@ -1,6 +1,9 @@
 //! The checks behind [`SceneData::validate`].
 
-use super::{Environment, NONE, SceneData, SceneError};
+use super::{Environment, Material, NONE, PunctualLight, SceneData, SceneError};
+
+/// By how much a direction's squared length may differ from 1: some units of f32, and a file's decimals.
+const UNIT: f32 = 1e-3;
 
 type Checked = Result<(), SceneError>;
 
@@ -23,11 +26,15 @@ fn sizes(scene: &SceneData) -> Checked {
         ("materials", scene.materials.len()),
         ("textures", scene.textures.len()),
         ("texels", scene.texels.len()),
+        ("punctual lights", scene.punctual_lights.len()),
     ] {
         let limit = u64::from(NONE) - 1;
         if found as u64 > limit {
             return Err(SceneError::TooLarge { list, found: found as u64, limit });
         }
+    }
+    if !scene.uv2.is_empty() {
+        length("second texture coordinates", scene.uv2.len() as u64, scene.indices.len() as u64)?;
     }
     length("triangle shading", scene.triangle_shading.len() as u64, scene.indices.len() as u64)
 }
@@ -57,13 +64,14 @@ fn shading(scene: &SceneData) -> Checked {
     numbers(
         "texture coordinate",
         scene.triangle_shading.iter().map(|s| s.uv.as_flattened().iter().all(|x| x.is_finite())),
-    )
+    )?;
+    numbers("second texture coordinate", scene.uv2.iter().map(|uv| uv.as_flattened().iter().all(|x| x.is_finite())))
 }
 
 fn surfaces(scene: &SceneData) -> Checked {
-    let light = |x: &f32| x.is_finite() && *x >= 0.0;
-    let rgb = |c: &[f32; 4]| c[..3].iter().all(light);
-    numbers("material", scene.materials.iter().map(|m| rgb(&m.base_color) && rgb(&m.emission)))?;
+    numbers("material", scene.materials.iter().map(material))?;
+    numbers("punctual light", scene.punctual_lights.iter().map(punctual))?;
+    numbers("texture", scene.textures.iter().map(|t| t.uv_rows.as_flattened().iter().all(|x| x.is_finite())))?;
     for (i, material) in scene.materials.iter().enumerate() {
         for &texture in material.textures.iter().filter(|&&texture| texture != NONE) {
             index("material's texture", i, texture, scene.textures.len())?;
@@ -80,8 +88,38 @@ fn surfaces(scene: &SceneData) -> Checked {
     Ok(())
 }
 
+/// Light, and whatever else has no negative amount.
+fn light(x: &f32) -> bool {
+    x.is_finite() && *x >= 0.0
+}
+
+fn material(material: &Material) -> bool {
+    let Material { base_color, emission, specular, interior, surface, coat, .. } = material;
+    // Factors on the tangential parts of normals turn these round when negative.
+    let ([amounts @ .., scale], [coat, coat_roughness, coat_scale, _]) = (surface, coat);
+    let amounts = amounts.iter().chain([coat, coat_roughness]);
+    let finite = scale.is_finite() && coat_scale.is_finite();
+    let colors = base_color.iter().chain(emission).chain(specular).chain(interior);
+    finite && colors.chain(amounts).all(light)
+}
+
+fn punctual(source: &PunctualLight) -> bool {
+    let PunctualLight { position, direction, intensity, range } = source;
+    let [x, y, z, inner] = *direction;
+    let kinds = [PunctualLight::POINT, PunctualLight::SPOT, PunctualLight::DIRECTIONAL];
+    let length = (x * x + y * y + z * z - 1.0).abs();
+    let finite = position.iter().chain(direction).chain(intensity).chain(range).all(|x| x.is_finite());
+    let cosines = inner.abs() <= 1.0 && intensity[3].abs() <= 1.0;
+    finite
+        && kinds.contains(&position[3])
+        && length < UNIT
+        && cosines
+        && intensity[..3].iter().all(light)
+        && range[0] >= 0.0
+}
+
 fn environment(scene: &SceneData) -> Checked {
-    let light = |x: &f32| x.is_finite() && *x >= 0.0;
+    numbers("environment's rotation", core::iter::once(scene.environment_rotation.is_finite()))?;
     match &scene.environment {
         None => Ok(()),
         Some(Environment::Constant(radiance)) => numbers("environment", core::iter::once(radiance.iter().all(light))),
