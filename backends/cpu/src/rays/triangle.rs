@@ -87,10 +87,16 @@ struct Meeting<L: Lanes<LEAF>> {
 }
 
 impl<L: Lanes<LEAF>> Meeting<L> {
-    /// Edge functions and their sum for one triangle.
+    /// The sum of one triangle's edge functions.
     #[inline(always)]
-    fn at(&self, l: L, place: usize) -> ([f32; 2], f32) {
-        ([l.store(self.edges[0])[place], l.store(self.edges[1])[place]], l.store(self.det)[place])
+    fn det_at(&self, l: L, place: usize) -> f32 {
+        l.store(self.det)[place]
+    }
+
+    /// Two of one triangle's edge functions.
+    #[inline(always)]
+    fn edges_at(&self, l: L, place: usize) -> [f32; 2] {
+        [l.store(self.edges[0])[place], l.store(self.edges[1])[place]]
     }
 }
 
@@ -145,7 +151,8 @@ pub(super) fn closest<L: Lanes<LEAF>, H: Holes>(
         }
     }
     if place < LEAF {
-        (nearest.edges, nearest.det) = meeting.at(l, place);
+        nearest.det = meeting.det_at(l, place);
+        nearest.edges = meeting.edges_at(l, place);
     }
 }
 
@@ -170,9 +177,6 @@ fn passes<L: Lanes<LEAF>, H: Holes>(l: L, block: &Block, meeting: &Meeting<L>, h
     holes.passes(
         block.ids[place],
         #[inline(always)]
-        || {
-            let (edges, det) = meeting.at(l, place);
-            weights(edges, det)
-        },
+        || weights(meeting.edges_at(l, place), meeting.det_at(l, place)),
     )
 }
