@@ -5,8 +5,8 @@
 //! spread evenly over the scene and depends on the keys only. Lower ranks leave first. [`evict`] brings the number of
 //! cells down to a target in four steps: cells without deposits leave; the ranks' histogram tells the rank to cut
 //! at; cells up to it are marked; and each marked cell is [removed](Table::remove) and its sums added to the cell of the
-//! next coarser level, which is made where there is none (or of one above, where there is no room for it). So one call may leave more cells than the target, and later ones
-//! go on.
+//! next coarser level, which is made where there is none (or to one above, where there is no room for it). So one call
+//! may leave more cells than the target, and later ones go on.
 //!
 //! *Energy before = energy after + lost*, to the last quantum. Lost is what had no coarser level or found no room there.
 //!

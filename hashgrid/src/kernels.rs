@@ -23,6 +23,9 @@ use crate::vertex::{add_counters, claim_vertices, deposit_vertices, estimate_ver
 /// Twins of [`crate::key`] and [`crate::jitter`]; needs the core's hash, jitter, level, pack and record.
 pub const WGSL_KEY: &str = include_str!("../wgsl/key.wgsl");
 
+/// Twins of where the points of [`crate::points`] are; needs [`WGSL_KEY`] and what that needs.
+pub const WGSL_POINTS: &str = include_str!("../wgsl/points.wgsl");
+
 /// Twins of [`crate::tag`].
 pub const WGSL_TAG: &str = include_str!("../wgsl/tag.wgsl");
 

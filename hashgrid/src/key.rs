@@ -16,13 +16,15 @@ use crate::tag::FINGERPRINT_MAX;
 /// | word | meaning |
 /// |---|---|
 /// | 0..3 | the cell's whole coordinates on its level, two's complement |
-/// | 3 | level in bits 0..8, bin of the normal in bits 8..32 |
+/// | 3 | level in bits 0..8, bin of the normal in 8..19, 1 + bin of the direction or 0 in 19..30, layer in 30..32 |
+///
+/// Direction and layer are 0 but for glossy layers, see [`crate::lobe`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
 #[repr(C)]
 pub struct Key {
     /// Whole coordinates on the cell's level, the origin's shift included.
     pub cell: [i32; 3],
-    /// Level and bin of the normal.
+    /// Level, bins of normal and direction, layer.
     pub attributes: u32,
 }
 
@@ -37,7 +39,17 @@ impl Key {
 
     /// Bin of the normal, see [`crate::jitter::normal_bin`].
     pub const fn normal_bin(&self) -> u32 {
-        self.attributes >> 8
+        (self.attributes >> 8) & 0x7ff
+    }
+
+    /// Bin of the direction from which the vertex was seen, as of a normal; `None` where it plays no part.
+    pub const fn direction_bin(&self) -> Option<u32> {
+        ((self.attributes >> 19) & 0x7ff).checked_sub(1)
+    }
+
+    /// Layer of the material.
+    pub const fn layer(&self) -> u32 {
+        self.attributes >> 30
     }
 
     /// The key in two words, of which the first is never all ones.

@@ -10,6 +10,14 @@
 //! | [`Layout::STAMP`] | 8 | the frame of the last use: [`crate::evict`] |
 //! | [`Layout::Kept`] = [`Key`] | 16 | no false match at all; levels and eviction ([`crate::levels`]) |
 //!
+//! | layout | parts | bytes |
+//! |---|---|---|
+//! | [`Minimal`] | one sum | 32 |
+//! | [`Standard`] | two sums | 64 |
+//! | [`Measured`] | two sums, squares | 72 |
+//! | `Lasting` | two sums, stamp, key | 80 |
+//! | `Complete` | all | 112 |
+//!
 //! Seven words are filled up to eight, so that such a cell is a line of the memory's caches; no other size is padded.
 //! A stamp is therefore free in the layout of [`Standard`].
 //!

@@ -108,7 +108,7 @@ pub fn deposit_vertices<L: Layout>(
 
 /// [`Counters::note`] for all channels of a vertex.
 #[inline]
-fn note_all(values: &[Quantized; 6], stored: bool, counters: &mut Counters) {
+pub(crate) fn note_all(values: &[Quantized; 6], stored: bool, counters: &mut Counters) {
     if values.iter().all(|value| value.outcome == Outcome::Exact) {
         // Nearly always, and then there is one number to add: six of 2³³ at most.
         let energy = values.iter().map(|value| value.value).sum();
@@ -122,7 +122,7 @@ fn note_all(values: &[Quantized; 6], stored: bool, counters: &mut Counters) {
 }
 
 #[inline]
-fn deposit_found<L: Layout>(
+pub(crate) fn deposit_found<L: Layout>(
     table: &Table<'_, L>,
     found: Option<Found>,
     values: &[Quantized; 6],
@@ -141,6 +141,28 @@ fn deposit_found<L: Layout>(
     let quanta: Quanta = values.map(|v| v.value);
     table.add(slot, found.head, &quanta, 1);
     true
+}
+
+/// What [`Table::find`] finds, without a slot where the layout keeps another key there.
+#[inline]
+pub(crate) fn find_named<L: Layout>(table: &Table<'_, L>, key: &Key) -> Found {
+    let start = Start::of(table, key);
+    start.find_from(table, table.head(start.slot))
+}
+
+/// Deposits a vertex under a key, or counts it as refused.
+pub(crate) fn deposit_key<L: Layout>(
+    table: &Table<'_, L>,
+    params: &Params,
+    key: Option<&Key>,
+    vertex: &VertexRecord,
+    counters: &mut Counters,
+) {
+    counters.deposits += 1;
+    let values = quantize_for::<L>(params, vertex);
+    let found = key.map(|key| find_named(table, key));
+    let stored = deposit_found(table, found, &values, counters);
+    note_all(&values, stored, counters);
 }
 
 /// The six channels of a vertex's illumination in quanta: direct red, green, blue, further red, green, blue.
@@ -266,7 +288,7 @@ fn estimate_cell<L: Layout>(
     })
 }
 
-fn own_value(vertex: &VertexRecord, counters: &mut Counters) -> Estimate {
+pub(crate) fn own_value(vertex: &VertexRecord, counters: &mut Counters) -> Estimate {
     let mut finite = |v: [f32; 4]| {
         Vec3::from_array([v[0], v[1], v[2]].map(|c| {
             counters.non_finite += u64::from(!c.is_finite());

@@ -14,7 +14,7 @@ use hashgrid::evict::{CountAndAge, Evicted, LeastRecent, MAX_PRIORITY, Priority,
 use hashgrid::jitter::SALT_DEPOSIT;
 use hashgrid::key::{coarser, finer, key};
 use hashgrid::layout::{Complete, Lasting, Layout};
-use hashgrid::levels::{inherit, touch_vertices};
+use hashgrid::levels::{Inherited, inherit, touch_vertices};
 use hashgrid::merge::Merge;
 use hashgrid::names::{Naming, name_vertices};
 use hashgrid::sums::Sums;
@@ -112,7 +112,9 @@ fn removal_leaves_no_gaps() {
         let refused = keys.iter().filter(|key| table.claim(key) == Claim::Refused).count();
         assert!(if load > 1.1 { refused > 0 } else { refused < 10 }, "load {load}: {refused} refused");
         for step in [Naming::First, Naming::Second] {
-            keys.iter().for_each(|key| table.name(key, step));
+            for key in &keys {
+                table.name(key, step);
+            }
         }
         let mut model = BTreeMap::new();
         for (i, key) in keys.iter().enumerate() {
@@ -266,7 +268,7 @@ fn light_changes_level_with_the_camera() {
         } else {
             assert!(inherited.shared > 3000 && inherited.summed == 0, "{inherited:?}");
         }
-        assert_eq!(inherit(&table, 1, 1000), Default::default(), "nobody is new any more");
+        assert_eq!(inherit(&table, 1, 1000), Inherited::default(), "nobody is new any more");
         assert_eq!(deposit(&table, &params, &next).balance(), 0);
     }
 }
@@ -308,7 +310,7 @@ fn inheritance_is_bounded() {
     name_vertices(&table, &params, &both, Naming::First);
     name_vertices(&table, &params, &both, Naming::Second);
     touch_vertices(&table, &params, &both, 1);
-    assert_eq!(inherit(&table, 1, 1000), Default::default());
+    assert_eq!(inherit(&table, 1, 1000), Inherited::default());
 }
 
 /// The whole life of a lasting table: frames merged, levels changed, cells evicted, for a camera that comes near and

@@ -144,6 +144,25 @@ fn squares_are_exact_up_to_the_last_deposit() {
     }
 }
 
+/// Energy and errors of vertices in a small table of a layout.
+fn check<L: Layout>(params: &Params, vertices: &[VertexRecord]) -> Result<(), TestCaseError> {
+    let words = storage_of::<L>(64, params);
+    let table = Table::<L>::with_layout(&words, params).unwrap();
+    let mut counters = Counters::default();
+    claim_vertices(&table, params, vertices);
+    deposit_vertices(&table, params, vertices, &mut counters);
+    let summary = table.validate().unwrap();
+    prop_assert_eq!((counters.balance(), summary.energy), (0, counters.energy_stored));
+    let mut fine = true;
+    estimate_slots(&table, params, vertices, &mut counters, |_, estimate, slot| {
+        let error = slot.and_then(|slot| table.sums(slot).standard_error(params.quantum()));
+        fine &= estimate.direct.is_finite() && estimate.further.is_finite();
+        fine &= error.unwrap_or(0.0).is_finite() && slot.is_some() == (estimate.samples > 0);
+    });
+    prop_assert!(fine);
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
@@ -173,23 +192,6 @@ proptest! {
         e in -100_i32..=80,
     ) {
         let params = params(Settings { quantum: Quantum::new(e).unwrap(), ..Settings::default() });
-        fn check<L: Layout>(params: &Params, vertices: &[VertexRecord]) -> Result<(), TestCaseError> {
-            let words = storage_of::<L>(64, params);
-            let table = Table::<L>::with_layout(&words, params).unwrap();
-            let mut counters = Counters::default();
-            claim_vertices(&table, params, vertices);
-            deposit_vertices(&table, params, vertices, &mut counters);
-            let summary = table.validate().unwrap();
-            prop_assert_eq!((counters.balance(), summary.energy), (0, counters.energy_stored));
-            let mut fine = true;
-            estimate_slots(&table, params, vertices, &mut counters, |_, estimate, slot| {
-                let error = slot.and_then(|slot| table.sums(slot).standard_error(params.quantum()));
-                fine &= estimate.direct.is_finite() && estimate.further.is_finite();
-                fine &= error.unwrap_or(0.0).is_finite() && slot.is_some() == (estimate.samples > 0);
-            });
-            prop_assert!(fine);
-            Ok(())
-        }
         check::<Standard>(&params, &vertices)?;
         check::<Minimal>(&params, &vertices)?;
         check::<Measured>(&params, &vertices)?;

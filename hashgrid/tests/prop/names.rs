@@ -38,8 +38,11 @@ fn names_end_false_matches() {
                 table.claim(key);
             }
             assert!(order.iter().all(|key| table.find(key).slot.is_some()), "one tag");
-            order.iter().for_each(|key| table.name(key, Naming::First));
-            order.iter().for_each(|key| table.name(key, Naming::Second));
+            for step in [Naming::First, Naming::Second] {
+                for key in &order {
+                    table.name(key, step);
+                }
+            }
             assert_eq!(table.cells().count(), 1);
             let owner = if a.words() < b.words() { a } else { b };
             let found = order.map(|key| table.find_named(&key).is_some());

@@ -6,4 +6,5 @@ mod grid;
 mod keys;
 mod octree;
 mod octree_data;
+mod points;
 mod sampler;
