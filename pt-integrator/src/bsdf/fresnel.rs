@@ -28,15 +28,15 @@ pub fn fresnel_dielectric(cosine: f32, eta: f32) -> f32 {
     if bent < 0.0 {
         return 1.0;
     }
+    // MIN_POSITIVE below keeps 0 / 0 away where both indices are equal and the angle is right.
     let bent = float::sqrt(bent);
-    let perpendicular = (cosine - bent) / (cosine + bent + SMALLEST);
-    let parallel = (squared * cosine - bent) / (squared * cosine + bent + SMALLEST);
+    let [above, below] = [cosine - bent, cosine + bent];
+    let [parallel_above, parallel_below] = [squared * cosine - bent, squared * cosine + bent];
+    // The mean of both polarisations' squared ratios, with one division.
+    let (s, p, both) = (above * parallel_below, parallel_above * below, below * parallel_below);
     // Rounding may give 1 + 2⁻²³. NaN becomes 1.
-    (0.5 * (perpendicular * perpendicular + parallel * parallel)).min(1.0)
+    (0.5 * (s * s + p * p) / (both * both + f32::MIN_POSITIVE)).min(1.0)
 }
-
-/// Keeps 0 / 0 away where both indices are equal and the angle is right; far below what a sum of cosines feels.
-const SMALLEST: f32 = 1e-30;
 
 /// (1 − `cosine`)⁵: by which share of its way to 1 reflectance has come, from normal to grazing incidence.
 ///
@@ -63,6 +63,8 @@ pub fn schlick_weight(cosine: f32) -> f32 {
 pub(super) struct Fresnel {
     /// Refractive index behind the interface over that before it; 0 for the infinite one.
     pub eta: f32,
+    /// Whether exact reflectance is asked for; otherwise Schlick's stands in its place.
+    is_exact: bool,
     /// Plain reflectance at normal incidence.
     normal: f32,
     constant: Vec3,
@@ -99,6 +101,18 @@ pub(super) struct Interface {
 }
 
 impl Fresnel {
+    /// No interface: nothing is reflected or bent.
+    pub const NONE: Self = Self {
+        eta: 1.0,
+        is_exact: false,
+        normal: 0.0,
+        constant: Vec3::ZERO,
+        exact: Vec3::ZERO,
+        schlick: Vec3::ZERO,
+        total: 0.0,
+        strongest: [0.0; 2],
+    };
+
     #[inline]
     pub fn new(interface: &Interface) -> Self {
         let &Interface { base_color, metallic, ior, specular, specular_color, refracted, inside } = interface;
@@ -108,14 +122,17 @@ impl Fresnel {
         let tinted = if ior == 0.0 { specular_color } else { specular_color * normal };
         let k = (tinted.min(Vec3::ONE) - normal) / (1.0 - normal);
         let dielectric = specular * (1.0 - metallic);
+        let total = (1.0 - specular) * (1.0 - metallic) * refracted;
         let strongest = k.max_element();
         Self {
+            // Also where what enters is lost to metal, as F is then asked for in vain.
+            is_exact: ior > 0.0 && dielectric + total > 0.0,
             eta: if inside && ior > 0.0 { 1.0 / ior } else { ior },
             normal,
             constant: k * dielectric + base_color * metallic,
             exact: (Vec3::ONE - k) * dielectric,
             schlick: (Vec3::ONE - base_color) * metallic,
-            total: (1.0 - specular) * (1.0 - metallic) * refracted,
+            total,
             strongest: [specular * strongest, specular * (1.0 - strongest)],
         }
     }
@@ -137,7 +154,8 @@ impl Fresnel {
     #[inline]
     pub fn at(&self, cosine: f32) -> Angle {
         let schlick = schlick_weight(cosine);
-        if self.eta == 0.0 {
+        // Metal needs no more.
+        if !self.is_exact {
             return Angle { exact: schlick, schlick, total: 0.0 };
         }
         let exact = fresnel_dielectric(cosine, self.eta);

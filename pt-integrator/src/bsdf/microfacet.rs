@@ -123,9 +123,10 @@ impl Ggx {
     /// Density of facets by solid angle of their normals, for a vector in the normal's direction and its squared length.
     #[inline]
     fn distribution(&self, normal: Vec3, squared: f32) -> f32 {
+        let squared_alpha = self.alpha * self.alpha;
         // From the tangential part: 1 − z² loses all digits at small roughness.
-        let slope = (normal.x * normal.x + normal.y * normal.y) / (self.alpha * self.alpha) + normal.z * normal.z;
-        let ratio = squared / (self.alpha * slope);
+        let slope = normal.x * normal.x + normal.y * normal.y + squared_alpha * (normal.z * normal.z);
+        let ratio = squared * self.alpha / slope;
         FRAC_1_PI * ratio * ratio
     }
 
@@ -170,7 +171,7 @@ impl Ggx {
         let half = Vec3::new(radius * cosine + view.x, radius * sine + view.y, 1.0 - drop + view.z);
         let normal = Vec3::new(half.x * self.alpha, half.y * self.alpha, half.z.max(0.0));
         let squared = normal.length_squared();
-        let normal = if squared > 0.0 { normal / float::sqrt(squared) } else { Vec3::Z };
+        let normal = if squared > 0.0 { normal * (1.0 / float::sqrt(squared)) } else { Vec3::Z };
         Facet { normal, cosine: self.view.dot(normal).clamp(0.0, 1.0) }
     }
 }
@@ -191,6 +192,6 @@ pub(super) fn refracted(view: Vec3, normal: Vec3, cosine: f32, eta: f32) -> Opti
         let bent = float::sqrt(bent);
         let light = normal * (cosine - bent) - view;
         // Of length η, but not when η is so small that it drowns in rounding.
-        (light / float::sqrt(light.length_squared()), bent)
+        (light * (1.0 / float::sqrt(light.length_squared())), bent)
     })
 }

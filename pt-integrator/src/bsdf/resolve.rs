@@ -58,6 +58,8 @@ pub(super) struct Coat {
 }
 
 impl Coat {
+    const NONE: Self = Self { strength: 0.0, normal: Vec3::ZERO, alpha: 0.0, is_behind: false, is_beyond: false };
+
     /// Share of light that the coat reflects, for the cosine between its normal and light or view.
     #[inline]
     pub fn reflected(&self, cosine: f32) -> f32 {
@@ -115,9 +117,14 @@ impl Bsdf {
         let base_color = unit_color(inputs.base_color);
         let [metallic, specular, transmission] =
             [inputs.metallic, inputs.specular, inputs.transmission].map(unit_interval);
+        let clearcoat = unit_interval(inputs.clearcoat);
+        let mut bsdf = Self::bare(normal, outgoing, base_color * ((1.0 - metallic) * (1.0 - transmission)));
+        if metallic + specular + transmission + clearcoat == 0.0 {
+            return bsdf;
+        }
         let is_solid = !inputs.thin && transmission > 0.0;
         let inside = is_solid && !entering;
-        let fresnel = Fresnel::new(&Interface {
+        bsdf.fresnel = Fresnel::new(&Interface {
             base_color,
             metallic,
             ior: if inputs.ior > 0.0 { inputs.ior.clamp(SMALLEST_IOR, LARGEST_IOR) } else { 0.0 },
@@ -126,41 +133,46 @@ impl Bsdf {
             refracted: if is_solid { transmission } else { 0.0 },
             inside,
         });
-        let coat = Coat {
-            strength: unit_interval(inputs.clearcoat),
+        bsdf.coat = Coat {
+            strength: clearcoat,
             normal: inputs.coat_normal,
             alpha: unit_interval(inputs.clearcoat_roughness * inputs.clearcoat_roughness),
             is_behind: inside,
             is_beyond: inside || !is_solid,
         };
-        let frame = Basis::new(normal);
-        let view = frame.to_local(outgoing);
-        let scattered = base_color * ((1.0 - metallic) * (1.0 - transmission));
-        let mut bsdf = Self {
-            outgoing,
-            frame,
-            ggx: Ggx::smooth(view),
-            fresnel,
-            is_bare: fresnel.is_absent() && coat.strength == 0.0,
-            is_smooth: true,
-            passage: Passage::Straight,
-            coat,
-            diffuse: scattered,
-            reflects: 0.0,
-            passes: Vec3::ZERO,
-            albedos: [scattered, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO],
-            probabilities: [1.0, 0.0, 0.0, 0.0],
-        };
+        bsdf.is_bare = bsdf.fresnel.is_absent() && clearcoat == 0.0;
         if !bsdf.is_bare || transmission > 0.0 {
             let passes = base_color * ((1.0 - metallic) * transmission);
-            bsdf.resolve(unit_interval(inputs.roughness), passes, is_solid, view);
+            bsdf.resolve(unit_interval(inputs.roughness), passes, is_solid);
         }
         bsdf
     }
 
+    /// A diffuse lobe and nothing else.
+    #[inline]
+    fn bare(normal: Vec3, outgoing: Vec3, diffuse: Vec3) -> Self {
+        let frame = Basis::new(normal);
+        Self {
+            outgoing,
+            frame,
+            ggx: Ggx::smooth(frame.to_local(outgoing)),
+            fresnel: Fresnel::NONE,
+            is_bare: true,
+            is_smooth: true,
+            passage: Passage::Straight,
+            coat: Coat::NONE,
+            diffuse,
+            reflects: 0.0,
+            passes: Vec3::ZERO,
+            albedos: [diffuse, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO],
+            probabilities: [1.0, 0.0, 0.0, 0.0],
+        }
+    }
+
     /// Everything that a Lambertian surface does without.
     #[inline]
-    fn resolve(&mut self, roughness: f32, passes: Vec3, is_solid: bool, view: Vec3) {
+    fn resolve(&mut self, roughness: f32, passes: Vec3, is_solid: bool) {
+        let view = self.ggx.view;
         let alpha = roughness * roughness;
         self.is_smooth = alpha < SMALLEST_ALPHA;
         let angle = self.fresnel.at(unit_interval(view.z));
