@@ -110,6 +110,15 @@ choice! {
     }
 }
 choice! {
+    /// The curve between radiance and what a screen shows.
+    ToneCurve {
+        /// None: clipped at 1.
+        Srgb = "srgb",
+        /// A film's: shadows a little darker, bright light keeps its shape up to a radiance of 7 (Narkowicz 2016).
+        Filmic = "filmic",
+    }
+}
+choice! {
     /// Where a pixel's direct light comes from when there is a cache.
     DirectLight {
         /// From the cell, like all other light.

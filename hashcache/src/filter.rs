@@ -8,20 +8,21 @@ use pt_integrator::camera::CameraRays;
 use pt_integrator::scene::Camera;
 
 use crate::choice::{CacheKind, DenoiserKind, DirectLight, FilterKind};
+use crate::plan::FramePlan;
 use crate::settings::Settings;
 
 /// What the filter of a session is built with.
 pub(crate) fn settings(
     settings: &Settings,
+    plan: &FramePlan,
     camera: &Camera,
     scene_radius: f32,
-    direct: DirectLight,
 ) -> Result<FilterSettings, ParamError> {
-    let (further, direct_filter) = filters(settings, camera, 1)?;
+    let Filters { further, direct: direct_filter, carried } = filters(settings, camera, 1)?;
     Ok(FilterSettings {
         width: camera.width,
         height: camera.height,
-        direct: match direct {
+        direct: match plan.direct {
             DirectLight::Traced => Direct::Record,
             DirectLight::Cached => Direct::Estimate,
         },
@@ -29,16 +30,30 @@ pub(crate) fn settings(
         pixel_angle: CameraRays::new(camera).pixel_angle(),
         further,
         direct_filter,
-        carried: Filter::None,
-        layers: 1,
-        composition: Composition::Layered,
+        carried,
+        layers: plan.layers,
+        composition: match settings.filter {
+            FilterKind::Screen => Composition::Screen,
+            FilterKind::Layered if plan.needs.rough_lobes => Composition::LayeredRough,
+            FilterKind::Layered | FilterKind::None => Composition::Layered,
+        },
     })
 }
 
-/// The denoisers of the cache's and of direct light, for pixels of `samples` samples.
-pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Result<(Filter, Filter), ParamError> {
+/// The denoisers of a picture.
+pub(crate) struct Filters {
+    /// Of the cache's light.
+    pub further: Filter,
+    /// Of direct light that is apart.
+    pub direct: Filter,
+    /// Of light from behind that is filtered once more.
+    pub carried: Filter,
+}
+
+/// The denoisers for pixels of `samples` samples.
+pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Result<Filters, ParamError> {
     if settings.filter == FilterKind::None {
-        return Ok((Filter::None, Filter::None));
+        return Ok(Filters { further: Filter::None, direct: Filter::None, carried: Filter::None });
     }
     let footprint = CameraRays::new(camera).pixel_angle();
     let weights = WeightSettings {
@@ -66,5 +81,9 @@ pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Res
     };
     // Without a cache the samples behind a pixel's light are its own; a cache tells how many its cells have.
     let share = if settings.cache == CacheKind::None { samples.max(1) as f32 } else { 1.0 };
-    Ok((of(settings.filter_radius, settings.filter_samples / share)?, of(settings.filter_direct_radius, 0.0)?))
+    Ok(Filters {
+        further: of(settings.filter_radius, settings.filter_samples / share)?,
+        direct: of(settings.filter_direct_radius, 0.0)?,
+        carried: of(settings.filter_radius, settings.filter_samples)?,
+    })
 }

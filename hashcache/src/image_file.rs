@@ -8,6 +8,8 @@ use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageReader, Rgb};
 
+use crate::tone::{ToneMapping, srgb_decode};
+
 /// A picture of linear radiance (Rec. 709 primaries), rows from top to bottom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
@@ -26,7 +28,7 @@ pub enum Format {
     Exr,
     /// Radiance HDR, shared exponent.
     Hdr,
-    /// PNG, 8 bits, sRGB-encoded at exposure 1, clipped.
+    /// PNG, 8 bits, sRGB-encoded; see [`ToneMapping`].
     Png,
 }
 
@@ -69,27 +71,20 @@ pub fn format_of(path: &Path) -> Result<Format, ImageError> {
     }
 }
 
-/// The sRGB encoding of a linear value, clipped to `[0, 1]`; NaN becomes 0.
-///
-/// # Source
-/// IEC 61966-2-1.
-pub fn srgb_encode(linear: f32) -> f32 {
-    let x = linear.clamp(0.0, 1.0);
-    if x.is_nan() {
-        0.0
-    } else if x <= 0.003_130_8 {
-        12.92 * x
-    } else {
-        1.055 * hashcache_core::float::powf(x, 1.0 / 2.4) - 0.055
-    }
-}
-
 /// Writes a picture in the format of the file's ending, whole or not at all: the bytes go to a temporary file beside
 /// it, which then takes its name.
 ///
 /// # Errors
 /// [`ImageError::UnknownFormat`], [`ImageError::Write`].
 pub fn write(path: &Path, image: &Image) -> Result<(), ImageError> {
+    write_toned(path, image, &ToneMapping::default())
+}
+
+/// The same with exposure and curve of the caller's for a PNG. EXR and HDR hold radiance as it is.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_toned(path: &Path, image: &Image, tone: &ToneMapping) -> Result<(), ImageError> {
     let format = format_of(path)?;
     write_whole(path, |out| {
         let mut encoded = |bytes: &[u8], color| -> image::ImageResult<()> {
@@ -106,8 +101,7 @@ pub fn write(path: &Path, image: &Image) -> Result<(), ImageError> {
         match format {
             Format::Exr => encoded(bytemuck::cast_slice(&image.pixels), ExtendedColorType::Rgb32F),
             Format::Png => {
-                let bytes: Vec<u8> =
-                    image.pixels.iter().flatten().map(|&x| (srgb_encode(x) * 255.0 + 0.5) as u8).collect();
+                let bytes: Vec<u8> = image.pixels.iter().flatten().map(|&x| tone.byte(x)).collect();
                 encoded(&bytes, ExtendedColorType::Rgb8)
             }
             Format::Hdr => {
@@ -164,12 +158,4 @@ pub fn read(path: &Path) -> Result<Image, ImageError> {
         }
     }
     Ok(Image { width, height, pixels })
-}
-
-/// The linear value of an sRGB-encoded one in `[0, 1]`.
-///
-/// # Source
-/// IEC 61966-2-1.
-pub fn srgb_decode(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { hashcache_core::float::powf((encoded + 0.055) / 1.055, 2.4) }
 }

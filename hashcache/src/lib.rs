@@ -12,7 +12,8 @@
 //!
 //! # Concepts
 //! - [`Settings`]: every knob by its dotted name; [`Settings::set`] takes what `--set` takes.
-//! - [`Needs`]: what a scene requires. [`FramePlan`]: needs and settings as stages in order, each with its reason.
+//! - [`Needs`]: what a scene requires. [`FramePlan`]: needs and settings as stages in order, each with its reason, and
+//!   what is left out because the scene does without.
 //! - [`Preview`]: a loaded scene with its plan. [`Preview::render`] runs it on the launcher that the settings name,
 //!   [`Preview::render_on`] on any backend that casts rays.
 //! - [`Session`]: frames that share the scene's buffers, the cache and, while the camera rests, the pixels' sums.
@@ -23,15 +24,16 @@
 //!
 //! # Memory
 //! Beside the scene, a pixel: 32 bytes of film; with a cache or a filter 96 of records, 96 of vertices that are only looked at
-//! (both for the largest batch of 2¹⁹), 32 of estimates and about 270 of sums, guides and light. The octree: 46 bytes a cell,
-//! 1 GiB at most by default, and 56 a path of an open frame; the grid: 64 a slot, by default one slot a pixel rounded up to
-//! a power of two. [`Stats`] has the figures of a run.
+//! (both for the largest batch of 2¹⁹), 32 of estimates and about 270 of sums, guides and light; 128 to 208 for each further
+//! layer behind mirrors and glass. The octree: 46 bytes a cell, 1 GiB at most by default, and 56 a path of an open frame;
+//! the grid: 64 a slot, by default one slot a pixel rounded up to a power of two. [`Stats`] has the figures of a run.
 //!
 //! # Determinism
 //! Same scene, settings and seed: the same bits, for any number of threads and either launcher.
 //!
 //! # Limits today
-//! Lambertian surfaces, so the filter has one layer; the grid keeps all cells of a move until it is full.
+//! Without a cache a path keeps one vertex, so the filter has one layer; the grid keeps all cells of a move until it is
+//! full.
 //!
 //! # Sources
 //! Roth et al. 2020 (octree, reconstruction, layered filter); Binder et al. 2021 (path space filtering in a hash table).
@@ -40,6 +42,7 @@
 pub mod choice;
 pub mod clock;
 mod error;
+pub mod feature;
 mod filter;
 mod grid;
 pub mod image_file;
@@ -51,16 +54,19 @@ mod preview;
 mod session;
 mod settings;
 mod stats;
+mod tone;
 
 pub use error::Error;
+pub use feature::{Feature, FeatureSet, Saving};
 pub use image_file::Image;
-pub use needs::{Needs, needs};
+pub use needs::{Needs, environment, needs};
 pub use plan::{FramePlan, Stage};
 pub use preview::{Preview, Progress, Rendered};
 pub use scene;
 pub use session::{FrameOutput, Session};
 pub use settings::{MAX_BOUNCES, MAX_SIDE, MAX_SPP, Settings, SettingsError};
 pub use stats::{CacheStats, EnergyBalance, LevelStats, Rays, Stats, Times};
+pub use tone::{ToneMapping, srgb_decode, srgb_encode};
 
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]

@@ -1,12 +1,18 @@
 //! The stages of a frame, each with the reason why it is there.
 
+mod reasons;
+mod saving;
+
 use std::fmt;
 
 use serde::Serialize;
 
-use crate::choice::{CacheKind, Choice, DirectLight, FilterKind};
+use crate::choice::{CacheKind, Choice as _, DirectLight, FilterKind};
+use crate::feature::Saving;
 use crate::needs::Needs;
 use crate::settings::Settings;
+
+use reasons::Reasons;
 
 /// One stage of a frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -18,7 +24,7 @@ pub struct Stage {
 }
 
 /// What a frame does, in order.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FramePlan {
     /// The stages of one frame.
     pub stages: Vec<Stage>,
@@ -28,82 +34,60 @@ pub struct FramePlan {
     pub cache: CacheKind,
     /// Where direct light comes from.
     pub direct: DirectLight,
+    /// Vertices one behind another that a sample of a pixel keeps.
+    pub layers: u32,
+    /// Whether the first vertices of a frame's last paths are also samples of the picture.
+    pub reuses_paths: bool,
+    /// What the scene does without and the frame leaves out.
+    pub saved: Vec<Saving>,
 }
 
 impl FramePlan {
-    /// The plan for a scene under these settings.
-    pub fn new(needs: Needs, settings: &Settings) -> Self {
+    /// The plan for a scene under these settings, for pictures of so many pixels.
+    pub fn new(needs: Needs, settings: &Settings, pixels: u32) -> Self {
+        let layers = layers(&needs, settings);
+        let why = Reasons { needs: &needs, settings, layers };
         let mut stages = Vec::new();
         let mut push = |stage, why: String| stages.push(Stage { stage, why });
-        let lights = match (needs.emissive_triangles, needs.environment) {
-            (0, "none") => "nothing gives light, so rays show a black scene".to_owned(),
-            (0, environment) => format!("lit by a {environment} environment"),
-            (triangles, "none") => format!("lit by {triangles} emissive triangles"),
-            (triangles, environment) => {
-                format!("lit by {triangles} emissive triangles and a {environment} environment")
-            }
-        };
-        let surfaces = format!(
-            "{} triangles in {}, Lambert{}",
-            needs.triangles,
-            if needs.instances > 1 { format!("{} instances", needs.instances) } else { "one mesh".to_owned() },
-            if needs.textures { ", textured" } else { ", no texture code" },
-        );
-        let bounces = settings.max_bounces;
-        if settings.cache == CacheKind::None && settings.filter == FilterKind::None {
-            push(
-                "trace",
-                format!("whole paths of up to {bounces} scatterings into the film, no cache: {surfaces}; {lights}"),
-            );
+        let cache = settings.cache;
+        if cache == CacheKind::None && settings.filter == FilterKind::None {
+            push("trace", why.film());
             push("resolve", "the film's sums become radiance".to_owned());
-            return Self { stages, needs, cache: settings.cache, direct: settings.direct };
-        }
-        let kept = match (settings.cache, settings.store) {
-            (CacheKind::None, _) => "their first vertex kept for the filter".to_owned(),
-            (cache, 1) => format!("their first vertex recorded for the {}", cache.name()),
-            (cache, store) => format!("their first {store} vertices recorded for the {}", cache.name()),
-        };
-        push("trace", format!("paths of up to {bounces} scatterings, {kept}: {surfaces}; {lights}"));
-        match settings.cache {
-            CacheKind::None => {}
-            CacheKind::Octree => {
-                push(
-                    "update",
-                    "the vertices' light becomes part of their cells' means, and of all coarser ones".to_owned(),
-                );
-            }
-            CacheKind::Grid => {
-                push("update", "the vertices' cells are claimed and their light is added to them".to_owned());
-            }
-        }
-        if settings.cache != CacheKind::None {
-            let direct = match settings.direct {
-                DirectLight::Cached => String::new(),
-                DirectLight::Traced => format!(", each with {} shadow rays for direct light", settings.direct_samples),
-            };
-            let least = settings.reconstruct_samples;
-            push("reconstruct", format!("at least {least} samples a pixel show what it sees, for clean edges{direct}"));
-            push("query", "each sample reads its cell's mean in place of its own light".to_owned());
-        }
-        push("gather", "samples become sums of light, albedo and guides a pixel".to_owned());
-        let denoiser = settings.denoiser.name();
-        push(
-            "filter",
-            match settings.filter {
-                FilterKind::None => {
-                    "no filter: sums become radiance, pixels without light take their neighbours'".to_owned()
+        } else {
+            push("trace", why.trace());
+            match cache {
+                CacheKind::None => {}
+                CacheKind::Octree => {
+                    let means = "the vertices' light becomes part of their cells' means, and of all coarser ones";
+                    push("update", means.to_owned());
                 }
-                FilterKind::Layered => format!(
-                    "{denoiser}, passes: {}, over the light without albedo, in one layer: all surfaces are Lambertian",
-                    settings.filter_passes
-                ),
-                FilterKind::Screen => format!(
-                    "{denoiser}, passes: {}, over the light without albedo, by the surfaces seen",
-                    settings.filter_passes
-                ),
-            },
-        );
-        Self { stages, needs, cache: settings.cache, direct: settings.direct }
+                CacheKind::Grid => {
+                    push("update", "the vertices' cells are claimed and their light is added to them".to_owned());
+                }
+            }
+            if cache != CacheKind::None {
+                push("reconstruct", why.reconstruct());
+                let query = "each vertex that scatters diffusely reads its cell's mean in place of its own light";
+                push("query", query.to_owned());
+            }
+            push("gather", why.gather());
+            push("filter", why.filter());
+        }
+        let saved = saving::without(&needs, settings, pixels);
+        // One path a pixel, and what it keeps is what a look at the pixel would keep.
+        let reuses_paths = settings.crf.to_bits() == 1.0_f32.to_bits() && !needs.is_glossy();
+        Self { stages, needs, cache, direct: settings.direct, layers, reuses_paths, saved }
+    }
+}
+
+/// Vertices one behind another that are kept of a sample. Without a cache a path keeps one.
+fn layers(needs: &Needs, settings: &Settings) -> u32 {
+    if settings.cache == CacheKind::None {
+        1
+    } else if settings.needs_force.has_layers() {
+        settings.filter_layers
+    } else {
+        needs.layers.min(settings.filter_layers)
     }
 }
 
@@ -113,6 +97,9 @@ impl fmt::Display for FramePlan {
         for (index, stage) in self.stages.iter().enumerate() {
             writeln!(f, "{}. {:<8} {}", index + 1, stage.stage, stage.why)?;
         }
-        Ok(())
+        for (need, why) in reasons::needs(&self.needs) {
+            writeln!(f, "needs {need}: {why}")?;
+        }
+        self.saved.iter().try_for_each(|saving| writeln!(f, "{saving}"))
     }
 }

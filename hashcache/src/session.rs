@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::image_file::Image;
 use crate::pipeline::{self, Pipeline};
 use crate::preview::{Preview, Progress};
+use crate::settings::Settings;
 use crate::stats::{Rays, Stats};
 
 /// One frame of a [`Session`].
@@ -79,6 +80,30 @@ impl<'a, B: CastsRays> Session<'a, B> {
         Ok(FrameOutput { image, elapsed, stages: work.stages, rays: work.rays })
     }
 
+    /// The last frame's picture with other strengths of the filter (`filter.radius` and so on; not another
+    /// [`Settings::filter`]): no ray is traced. `None` before a frame, and with `cache=none` and `filter=none`, which keep
+    /// nothing to filter.
+    ///
+    /// ```
+    /// use hashcache::{Preview, Settings};
+    /// let mut settings = Settings::default();
+    /// settings.set("size", "32x32")?;
+    /// let preview = Preview::open("builtin:cornell", &settings)?;
+    /// let mut backend = preview.backend()?;
+    /// let mut session = preview.session(&mut backend)?;
+    /// let frame = session.frame(preview.camera(), &mut |_| ())?;
+    /// assert_eq!(session.filtered(&settings)?.as_ref(), Some(&frame.image));
+    /// settings.set("filter.radius", "1")?;
+    /// assert_ne!(session.filtered(&settings)?, Some(frame.image));
+    /// # Ok::<(), hashcache::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of the backend, with its name.
+    pub fn filtered(&mut self, settings: &Settings) -> Result<Option<Image>, Error> {
+        self.pipeline.filtered(self.backend, settings).map_err(|error| error.told(self.backend.name()))
+    }
+
     /// Forgets all cached light, for lights that changed. Cells are emptied when they are next touched.
     ///
     /// # Errors
@@ -99,7 +124,8 @@ impl<'a, B: CastsRays> Session<'a, B> {
 
     /// What a denoiser or a reader of the picture wants to know about the last frame, by name, one picture each: `albedo`,
     /// `normal`, `depth`, `emission`, light without albedo by layer and source (`layer0_direct`, `layer0_cached`), and
-    /// numbers of samples, of holes, and of the samples behind the cache's answers. Numbers stand in all three channels.
+    /// numbers of samples, of holes, and of the samples behind the cache's answers; of further layers all but the numbers
+    /// (`layer1_albedo` and so on). Numbers stand in all three channels. Only vertices that scatter diffusely count.
     /// None with `cache=none` and `filter=none`, which keep nothing but radiance.
     ///
     /// # Errors

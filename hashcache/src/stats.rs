@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::clock::Elapsed;
+use crate::feature::Saving;
 use crate::needs::Needs;
 use crate::pipeline::Work;
 use crate::plan::Stage;
@@ -23,6 +24,8 @@ pub struct Stats {
     pub needs: Needs,
     /// The stages that ran, and why.
     pub plan: Vec<Stage>,
+    /// What the scene does without, and what that saves.
+    pub saved: Vec<Saving>,
     /// Wall seconds.
     pub time_s: Times,
     /// User and system seconds of all threads.

@@ -46,6 +46,9 @@
 //! - **Holes**: vertices that a cache had no answer for. They are filled from like neighbours and counted ([`mod@fill`]).
 //! - **Layers** ([`layers`]): the deepest bounce is filtered first, carried to the vertex in front, and so on. A mirror's
 //!   picture is so filtered by what is seen in it. [`compose_screen`] is the same with the first vertex's guides only.
+//! - **Fronts** ([`mod@front`]): vertices that a pixel looks through. Light that passes a rough lobe is filtered once more
+//!   with its front's guides; what passes a mirror or clear glass is not. `FilterStages` composes so: records hold
+//!   throughput from the camera, so layers only add up.
 //!
 //! Start at [`layers`] for plain functions over slices, `FilterStages` for launchers; implement [`Denoiser`] to bring a
 //! filter of your own.
@@ -59,11 +62,14 @@
 //! # Memory
 //! | per pixel | bytes |
 //! |---|---|
-//! | [`LayerPixel`] | 128 |
+//! | [`LayerPixel`], one a layer | 128 |
+//! | [`FrontPixel`], one a layer that light passes and is filtered at | 48 |
+//! | [`Behind`], with several layers | 32 |
 //! | [`PreparedGuide`], one a layer | 64 |
 //! | [`Light`], two an image for passes to read and write in turn | 16 |
 //!
-//! `FilterStages` holds 256 bytes a pixel, 272 with direct light apart: 1920×1080 pixels are 531 MB or 564 MB.
+//! `FilterStages` holds 256 bytes a pixel, 272 with direct light apart: 1920×1080 pixels are 531 MB or 564 MB. Four
+//! layers behind mirrors and glass are 672 bytes, 848 where some lobes are rough.
 //!
 //! # Determinism
 //! A pixel depends on its own sums in their order and on the pass before; any split into rows or threads gives the same
@@ -73,6 +79,7 @@
 //! - Guides are means over a pixel's samples: a pixel that shows two surfaces resembles neither and mixes with few.
 //! - Each pass takes its values for independent, so the variance that it passes on is too small where noise is shared:
 //!   after a first pass, and between pixels that read one cache cell.
+//! - Whether a sample goes on by reflection or by refraction is noise that no layer filters: it is in the throughput.
 //! - Sums are f32: 10⁵ samples are exact to about 10⁻⁵.
 //! - Light above 2¹⁰⁰ counts as none. No WGSL twins yet.
 //!

@@ -167,13 +167,25 @@ impl FilterStages {
 
     /// Bytes of all buffers.
     pub fn bytes(&self) -> u64 {
-        u64::from(self.pixels()) * buffers::pixel_bytes(&self.settings) + COUNTERS
+        let FilterSettings { direct, layers, composition, .. } = self.settings;
+        u64::from(self.pixels()) * Self::pixel_bytes(direct, layers, composition) + COUNTERS
+    }
+
+    /// Bytes of a pixel.
+    ///
+    /// ```
+    /// use layered_filter::{Composition, Direct, FilterStages};
+    /// assert_eq!(FilterStages::pixel_bytes(Direct::Estimate, 1, Composition::Layered), 256);
+    /// assert_eq!(FilterStages::pixel_bytes(Direct::Estimate, 4, Composition::Layered), 672);
+    /// ```
+    pub const fn pixel_bytes(direct: Direct, layers: u32, composition: Composition) -> u64 {
+        buffers::pixel_bytes(direct, layers, composition)
     }
 
     /// Names of the kernels, in the order of their first use.
     pub fn kernels(&self) -> Vec<&'static str> {
         let deep = self.settings.layers > 1;
-        let fronts = buffers::fronts(&self.settings) > 0;
+        let fronts = buffers::fronts(self.settings.layers, self.settings.composition) > 0;
         let mut names = vec![GATHER.name];
         let mut push = |kernel: &Kernel, used: bool| {
             if used && !names.contains(&kernel.name) {
@@ -228,7 +240,8 @@ impl FilterStages {
     }
 
     /// Records the adding of a sample to each of `count` pixels from `first` on: pixel `first + i` gets the records from
-    /// i·`record_stride` on, one a layer, and the estimates from i·`estimate_stride` on.
+    /// i·`record_stride` on, one a layer, and the estimates from i·`estimate_stride` on. Where these are fewer than the
+    /// layers, nothing is added to the others: they had better be empty.
     ///
     /// `first` is a multiple of 2, with several layers of 16 (bindings start at multiples of 256 bytes).
     ///
@@ -247,7 +260,7 @@ impl FilterStages {
     ) -> Result<(), Error> {
         let buffers = self.buffers(GATHER.name)?;
         let params = self.gather.with_strides(record_stride, estimate_stride);
-        for (layer, sums) in (0..).zip(&buffers.pixels) {
+        for (layer, sums) in (0..record_stride.max(1)).zip(&buffers.pixels) {
             let params = params.with_layer(layer);
             let pixels = part(*sums, PIXEL, first, count);
             match buffers.fronts.get(layer as usize) {

@@ -34,6 +34,8 @@ pub(super) struct Cached {
     estimates: Binding,
     /// Samples in each pixel's sums.
     gathered: u32,
+    /// Records of a sample of a pixel that is only looked at.
+    layers: u32,
 }
 
 /// A run of paths or pixels whose records fit one binding.
@@ -48,7 +50,8 @@ impl Cached {
     pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview, resident: &Resident) -> Result<Self, Error> {
         let (settings, camera) = (preview.settings(), preview.camera());
         let of_filter = |error| Error::refused("filter", &error);
-        let filter = filter::settings(settings, camera, preview.radius(), settings.direct).map_err(of_filter)?;
+        let plan = preview.plan();
+        let filter = filter::settings(settings, plan, camera, preview.radius()).map_err(of_filter)?;
         let mut filter = FilterStages::new(&filter).map_err(of_filter)?;
         filter.prepare(backend)?;
         backend.submit()?;
@@ -60,7 +63,8 @@ impl Cached {
         let (total, at_once) = (paths[0].saturating_mul(paths[1]), (BATCH / store) & !1);
         let cache = Cache::new(backend, preview, resident, total.saturating_mul(store))?;
         let mut batches: Vec<Batch> = Vec::new();
-        let retained = reuses_paths(settings);
+        // Shown after the whole pass.
+        let retained = settings.cache == CacheKind::None || plan.reuses_paths;
         for first in (0..total).step_by(at_once as usize) {
             let count = at_once.min(total - first);
             let records = match batches.first() {
@@ -69,10 +73,11 @@ impl Cached {
             };
             batches.push(Batch { first, count, records });
         }
-        let pixels = camera.pixels().min(BATCH);
-        let visible = create(backend, "visible", u64::from(pixels) * record_bytes(1) as u64)?;
-        let estimates = create(backend, "estimates", u64::from(pixels) * size_of::<EstimateRecord>() as u64)?;
-        Ok(Self { cache, filter, paths, batches, visible, estimates, gathered: 0 })
+        let layers = plan.layers;
+        let looks = camera.pixels().saturating_mul(layers).min(BATCH);
+        let visible = create(backend, "visible", u64::from(looks) * record_bytes(1) as u64)?;
+        let estimates = create(backend, "estimates", u64::from(looks) * size_of::<EstimateRecord>() as u64)?;
+        Ok(Self { cache, filter, paths, batches, visible, estimates, gathered: 0, layers })
     }
 
     /// Fills the cache by `spp` paths a pixel, then looks at each pixel as often as the settings say, then filters.
@@ -103,7 +108,7 @@ impl Cached {
             }
             progress(Progress { stage: "trace", done: sample + 1, total });
         }
-        let of_paths = |sample| sample + 1 == spp && reuses_paths(pass.settings);
+        let of_paths = |sample| sample + 1 == spp && preview.plan().reuses_paths;
         for sample in (0..shown).filter(|_| pass.settings.cache != CacheKind::None) {
             if of_paths(sample) {
                 self.show_paths(backend, pass, work)?;
@@ -112,11 +117,15 @@ impl Cached {
             }
             progress(Progress { stage: "reconstruct", done: spp + sample + 1, total });
         }
-        let gathered = if moved { shown } else { self.gathered.saturating_add(shown) };
-        self.gathered = gathered;
-        let (further, direct) =
-            filter::filters(pass.settings, pass.camera, gathered).map_err(|error| Error::refused("filter", &error))?;
-        self.filter.set_filters(further, direct, further);
+        self.gathered = if moved { shown } else { self.gathered.saturating_add(shown) };
+        self.picture(backend, pass, work)
+    }
+
+    /// The picture of the sums, by the filter's strength in the pass's settings.
+    pub fn picture<B: CastsRays>(&mut self, backend: &mut B, pass: &Pass<'_>, work: &mut Work) -> Result<Image, Error> {
+        let filters = filter::filters(pass.settings, pass.camera, self.gathered)
+            .map_err(|error| Error::refused("filter", &error))?;
+        self.filter.set_filters(filters.further, filters.direct, filters.carried);
         work.stage(backend, "filter", |backend| self.filter.filter(backend))?;
         let radiance = self.filter.radiance().ok_or(backend_api::Error::UnknownBuffer { at: "lf.radiance" })?;
         Ok(pass.picture(&super::read(backend, radiance)?))
@@ -153,7 +162,7 @@ impl Cached {
         for k in 0..self.batches.len() {
             let Batch { first, count, .. } = self.batches[k];
             let records = self.first_vertices(backend, k, pass.settings.store, work)?;
-            self.show(backend, records, first, count, work)?;
+            self.show(backend, records, 1, first, count, work)?;
         }
         Ok(())
     }
@@ -186,37 +195,42 @@ impl Cached {
         sample: u32,
         work: &mut Work,
     ) -> Result<(), Error> {
-        for first in (0..pass.resident.pixels).step_by(BATCH as usize) {
-            let count = BATCH.min(pass.resident.pixels - first);
-            let records = part(self.visible, record_bytes(1), 0, count);
+        // A multiple of 16, so that pixels' sums of a batch begin at a multiple of 256 bytes.
+        let at_once = (BATCH / self.layers) & !15;
+        for first in (0..pass.resident.pixels).step_by(at_once as usize) {
+            let count = at_once.min(pass.resident.pixels - first);
+            let records = part(self.visible, record_bytes(self.layers), 0, count);
             let params = look::params(pass, first, sample);
             work.stage(backend, "reconstruct", |backend| {
-                look::dispatch(backend, &pass.resident, &params, records, count)
+                look::dispatch(backend, &pass.resident, &params, self.layers, records, count)
             })?;
-            self.show(backend, records, first, count, work)?;
+            self.show(backend, records, self.layers, first, count, work)?;
         }
         Ok(())
     }
 
-    /// Answers records by the cache and adds them to their pixels.
+    /// Answers records, `each` a pixel, by the cache and adds them to their pixels.
     fn show<B: CastsRays>(
         &mut self,
         backend: &mut B,
         records: Binding,
+        each: u32,
         first: u32,
         count: u32,
         work: &mut Work,
     ) -> Result<(), Error> {
-        let estimates = part(self.estimates, size_of::<EstimateRecord>(), 0, count);
-        work.stage(backend, "query", |backend| self.cache.query(backend, records, estimates, count))?;
-        work.stage(backend, "gather", |backend| self.filter.gather(backend, records, 1, estimates, 1, first, count))?;
+        let estimates = part(self.estimates, size_of::<EstimateRecord>() * each as usize, 0, count);
+        work.stage(backend, "query", |backend| self.cache.query(backend, records, estimates, count * each))?;
+        work.stage(backend, "gather", |backend| {
+            self.filter.gather(backend, records, each, estimates, each, first, count)
+        })?;
         Ok(())
     }
 
-    /// The pixels' sums.
-    pub fn sums<B: CastsRays>(&self, backend: &mut B) -> Result<Vec<u8>, Error> {
-        let sums = self.filter.sums(0).ok_or(backend_api::Error::UnknownBuffer { at: "lf.pixels" })?;
-        Ok(super::read(backend, sums)?)
+    /// The pixels' sums, layer by layer.
+    pub fn sums<B: CastsRays>(&self, backend: &mut B) -> Result<Vec<Vec<u8>>, Error> {
+        let sums = (0..self.layers).filter_map(|layer| self.filter.sums(layer));
+        sums.map(|sums| Ok(super::read(backend, sums)?)).collect()
     }
 
     pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {
@@ -234,11 +248,6 @@ pub(super) fn samples(settings: &Settings) -> u32 {
         CacheKind::None => settings.spp,
         _ => settings.spp.max(settings.reconstruct_samples),
     }
-}
-
-/// Whether the first vertices of a frame's last paths are also samples of the picture: they are one a pixel.
-fn reuses_paths(settings: &Settings) -> bool {
-    settings.crf.to_bits() == 1.0_f32.to_bits()
 }
 
 const fn record_bytes(store: u32) -> usize {

@@ -4,7 +4,8 @@ use backend_api::{Backend, Binding, Error as BackendError, Items};
 use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::CastsRays;
 use pt_integrator::camera::CameraRays;
-use pt_integrator::kernels::{TRACE_VISIBLE, VisibleParams};
+use pt_integrator::kernels::{VisibleParams, trace_visible};
+use pt_integrator::path::PathSettings;
 use pt_integrator::scene::Camera;
 
 use super::{Pass, Resident, create, read};
@@ -26,21 +27,23 @@ pub(super) fn params(pass: &Pass<'_>, first_pixel: u32, sample: u32) -> VisibleP
         direct_samples: if traced { settings.direct_samples } else { 0 },
         direct_candidates: settings.direct_candidates,
         direct_scattered: if traced { settings.direct_scattered } else { 0 },
-        reserved: 0,
+        max_bounces: settings.max_bounces,
     }
 }
 
-/// Records the first vertices of `count` pixels.
+/// Records the vertices of `count` pixels, `layers` each.
 pub(super) fn dispatch<B: CastsRays>(
     backend: &mut B,
     resident: &Resident,
     params: &VisibleParams,
+    layers: u32,
     records: Binding,
     count: u32,
 ) -> Result<(), BackendError> {
+    let kernel = trace_visible(layers).ok_or(BackendError::Unsupported { what: "layers" })?;
     let &Resident { triangles, scene, texels, counters, .. } = resident;
     let bindings = [triangles, scene, texels, records, counters];
-    backend.dispatch(&TRACE_VISIBLE, bytemuck::bytes_of(params), &bindings, Items::Count(count))
+    backend.dispatch(kernel, bytemuck::bytes_of(params), &bindings, Items::Count(count))
 }
 
 /// The median footprint of a camera's pixels that show a surface; 0 when none does.
@@ -60,10 +63,10 @@ pub(super) fn median_footprint<B: CastsRays>(
         direct_samples: 0,
         direct_candidates: 1,
         direct_scattered: 0,
-        reserved: 0,
+        max_bounces: PathSettings::default().max_bounces,
     };
     let records = create(backend, "probe", u64::from(count) * size_of::<VertexRecord>() as u64)?;
-    dispatch(backend, resident, &params, records, count)?;
+    dispatch(backend, resident, &params, 1, records, count)?;
     backend.submit()?;
     backend.statuses()?;
     let bytes = read(backend, records)?;

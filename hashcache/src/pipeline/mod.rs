@@ -5,6 +5,7 @@ mod buffers;
 mod cache;
 mod cached;
 mod look;
+pub(crate) mod measure;
 
 use backend_api::{Backend, Binding, Error as BackendError, Items, Primitive};
 use hashcache_core::stages::CastsRays;
@@ -88,15 +89,8 @@ impl Pipeline {
     /// Uploads the scene and makes the cache that the settings name.
     pub fn new<B: CastsRays>(backend: &mut B, preview: &Preview) -> Result<Self, Error> {
         backend.set_geometry(&preview.geometry())?;
-        let packed = preview.packed();
         let pixels = preview.camera().pixels();
-        let resident = Resident {
-            triangles: upload(backend, "triangles", packed.triangle_bytes())?,
-            scene: upload(backend, "scene", packed.scene_bytes())?,
-            texels: upload(backend, "texels", packed.texel_bytes())?,
-            counters: create(backend, "ray counters", RayCounts::WORDS as u64 * 8)?,
-            pixels,
-        };
+        let resident = Resident::new(backend, preview.packed(), pixels)?;
         let film = create(backend, "film", u64::from(pixels) * size_of::<FilmPixel>() as u64)?;
         let settings = preview.settings();
         let plain = settings.cache == CacheKind::None && settings.filter == FilterKind::None;
@@ -146,6 +140,13 @@ impl Pipeline {
         Ok(image)
     }
 
+    /// The last frame's picture by the filter's strength in other settings; `None` before a frame and without sums.
+    pub fn filtered<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<Option<Image>, Error> {
+        let (Some(cached), Some(camera)) = (&mut self.cached, &self.camera) else { return Ok(None) };
+        let pass = Pass { resident: self.resident, film: self.film, camera, settings };
+        cached.picture(backend, &pass, &mut Work::default()).map(Some)
+    }
+
     /// Forgets cached light.
     pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {
         self.cached.as_mut().map_or(Ok(()), |cached| cached.wipe(backend))
@@ -191,6 +192,16 @@ impl Pipeline {
 }
 
 impl Resident {
+    fn new<B: Backend>(backend: &mut B, packed: &PackedScene, pixels: u32) -> Result<Self, BackendError> {
+        Ok(Self {
+            triangles: upload(backend, "triangles", packed.triangle_bytes())?,
+            scene: upload(backend, "scene", packed.scene_bytes())?,
+            texels: upload(backend, "texels", packed.texel_bytes())?,
+            counters: create(backend, "ray counters", RayCounts::WORDS as u64 * 8)?,
+            pixels,
+        })
+    }
+
     fn ray_counts<B: Backend>(&self, backend: &mut B) -> Result<RayCounts, BackendError> {
         let bytes = read(backend, self.counters)?;
         let mut words = [0; RayCounts::WORDS];

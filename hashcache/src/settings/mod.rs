@@ -8,9 +8,11 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use crate::choice::{
-    BackendKind, CacheKind, DenoiserKind, DirectLight, FilterKind, IntegratorKind, Launcher, OctreeLayout,
+    BackendKind, CacheKind, DenoiserKind, DirectLight, FilterKind, IntegratorKind, Launcher, OctreeLayout, ToneCurve,
     VisibilityKind,
 };
+use crate::feature::FeatureSet;
+use crate::tone::ToneMapping;
 
 use rows::ROWS;
 
@@ -52,6 +54,9 @@ pub struct Settings {
     pub env: Option<PathBuf>,
     /// `env_scale`: factor on the environment's radiance, at least 0.
     pub env_scale: f32,
+    /// `env.rotation`: degrees by which the environment is turned about +y, counter-clockwise seen from above: at 90, what
+    /// was at −z is at −x.
+    pub env_rotation: f32,
     /// `max_bounces`: surface scatterings at most; 0 shows only emission seen directly.
     pub max_bounces: u32,
     /// `seed`: of every random decision.
@@ -82,6 +87,12 @@ pub struct Settings {
     pub direct_scattered: u32,
     /// `reconstruct.samples`: samples a pixel and frame at least that show surfaces and ask the cache.
     pub reconstruct_samples: u32,
+    /// `needs.force`: features that frames model though the scene has none of them: no bit of the picture changes, only
+    /// time and memory.
+    pub needs_force: FeatureSet,
+    /// `filter.layers`: vertices one behind another, through mirrors and glass, that are kept and filtered by
+    /// themselves, 1 to 8; fewer where the scene needs fewer.
+    pub filter_layers: u32,
     /// `filter.denoiser`: the denoiser behind the filter.
     pub denoiser: DenoiserKind,
     /// `filter.passes`: passes of the denoiser over each image, 1 to 8.
@@ -131,6 +142,10 @@ pub struct Settings {
     pub grid_slots: Option<u32>,
     /// `grid.max_probes`: slots tried for a key, 1 to 64.
     pub grid_max_probes: u32,
+    /// `image.exposure`: stops by which a PNG is brighter; EXR and HDR hold radiance as it is.
+    pub image_exposure: f32,
+    /// `image.tonemap`: the curve between radiance and a PNG.
+    pub image_tonemap: ToneCurve,
 }
 
 impl Default for Settings {
@@ -146,6 +161,7 @@ impl Default for Settings {
             camera: None,
             env: None,
             env_scale: 1.0,
+            env_rotation: 0.0,
             max_bounces: 8,
             seed: 0,
             threads: 0,
@@ -160,6 +176,8 @@ impl Default for Settings {
             direct_candidates: 1,
             direct_scattered: 1,
             reconstruct_samples: 4,
+            needs_force: FeatureSet::NONE,
+            filter_layers: 4,
             denoiser: DenoiserKind::CrossBilateral,
             filter_passes: 1,
             filter_radius: 10.0,
@@ -184,6 +202,8 @@ impl Default for Settings {
             grid_normal_bins: 3,
             grid_slots: None,
             grid_max_probes: 32,
+            image_exposure: 0.0,
+            image_tonemap: ToneCurve::Srgb,
         }
     }
 }
@@ -251,6 +271,11 @@ impl Settings {
     /// All settings in force, by name.
     pub fn to_json(&self) -> Map<String, Value> {
         ROWS.iter().map(|row| (row.key.to_owned(), (row.get)(self))).collect()
+    }
+
+    /// How radiance becomes a PNG.
+    pub fn tone_mapping(&self) -> ToneMapping {
+        ToneMapping { exposure: self.image_exposure, curve: self.image_tonemap }
     }
 
     /// Checks what single values cannot show.

@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::{MAX_BOUNCES, MAX_RESOLUTION, MAX_SIDE, MAX_SPP, MAX_STORE, Settings};
 use crate::choice::Choice;
+use crate::feature::FeatureSet;
 
 /// A setting: its name, how it is read and how it is set.
 pub(super) struct Row {
@@ -70,6 +71,7 @@ pub(super) const ROWS: &[Row] = &[
         },
     },
     number!("env_scale", env_scale, 0.0..=1e12),
+    number!("env.rotation", env_rotation, -3600.0..=3600.0),
     number!("max_bounces", max_bounces, 0..=MAX_BOUNCES),
     number!("seed", seed, 0..=u32::MAX),
     number!("threads", threads, 0..=1024),
@@ -105,6 +107,15 @@ pub(super) const ROWS: &[Row] = &[
     number!("direct.candidates", direct_candidates, 1..=64),
     number!("direct.scattered", direct_scattered, 0..=64),
     number!("reconstruct.samples", reconstruct_samples, 1..=4096),
+    Row {
+        key: "needs.force",
+        get: |s| s.needs_force.to_string().into(),
+        set: |s, v| {
+            s.needs_force = FeatureSet::parse(v)?;
+            Ok(())
+        },
+    },
+    number!("filter.layers", filter_layers, 1..=layered_filter::MAX_LAYERS),
     choice!("filter.denoiser", denoiser),
     number!("filter.passes", filter_passes, 1..=8),
     number!("filter.radius", filter_radius, 1.0..=256.0),
@@ -159,6 +170,8 @@ pub(super) const ROWS: &[Row] = &[
         },
     },
     number!("grid.max_probes", grid_max_probes, 1..=64),
+    number!("image.exposure", image_exposure, -100.0..=100.0),
+    choice!("image.tonemap", image_tonemap),
 ];
 
 fn optional(value: &str, none: &str, range: std::ops::RangeInclusive<u32>) -> Result<Option<u32>, String> {

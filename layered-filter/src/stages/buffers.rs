@@ -43,21 +43,25 @@ pub(super) struct Deep {
 }
 
 /// Number of layers whose fronts are kept.
-pub(super) const fn fronts(settings: &FilterSettings) -> u32 {
-    match settings.composition {
-        _ if settings.layers <= 1 => 0,
+pub(super) const fn fronts(layers: u32, composition: Composition) -> u32 {
+    match composition {
+        _ if layers <= 1 => 0,
         Composition::Layered => 0,
-        Composition::LayeredRough => settings.layers - 1,
+        Composition::LayeredRough => layers - 1,
         Composition::Screen => 1,
     }
 }
 
 /// Bytes of a pixel in all buffers.
-pub(super) fn pixel_bytes(settings: &FilterSettings) -> u64 {
-    let images = if settings.direct == Direct::Record { 5 } else { 4 };
-    let deep = if settings.layers > 1 { BEHIND } else { 0 };
-    let carried = if fronts(settings) > 0 { 2 * LIGHT } else { 0 };
-    u64::from(settings.layers) * PIXEL + u64::from(fronts(settings)) * FRONT + GUIDE + images * LIGHT + deep + carried
+pub(super) const fn pixel_bytes(direct: Direct, layers: u32, composition: Composition) -> u64 {
+    let images = match direct {
+        Direct::Record => 5,
+        Direct::Estimate => 4,
+    };
+    let fronts = fronts(layers, composition) as u64;
+    let deep = if layers > 1 { BEHIND } else { 0 };
+    let carried = if fronts > 0 { 2 * LIGHT } else { 0 };
+    layers as u64 * PIXEL + fronts * FRONT + GUIDE + images * LIGHT + deep + carried
 }
 
 impl Buffers {
@@ -84,7 +88,7 @@ impl Buffers {
             Ok(buffer)
         };
         let sums = (0..settings.layers).map(|_| buffer("lf.pixels", PIXEL * pixels)).collect::<Result<_, _>>()?;
-        let kept = fronts(settings);
+        let kept = fronts(settings.layers, settings.composition);
         let fronts = (0..kept).map(|_| buffer("lf.fronts", FRONT * pixels)).collect::<Result<_, _>>()?;
         // What is not apart is not filtered.
         let second_direct = if settings.direct == Direct::Record { pixels } else { 1 };

@@ -1,0 +1,65 @@
+//! What a frame leaves out.
+
+use std::fmt;
+
+use layered_filter::{Composition, Direct, FilterStages};
+
+use crate::choice::{CacheKind, DirectLight, FilterKind};
+use crate::feature::{FEATURES, Saving};
+use crate::needs::Needs;
+use crate::settings::Settings;
+
+/// Bytes of a triangle for holes: the index of its mask and the coordinates of its corners.
+const MASK_BYTES: u64 = 4 + 24;
+
+/// Bytes of a triangle for second coordinates.
+const SECOND_UV_BYTES: u64 = 24;
+
+/// The features that a scene does without, and the bytes that buffers for them would have.
+pub(super) fn without(needs: &Needs, settings: &Settings, pixels: u32) -> Vec<Saving> {
+    let absent = FEATURES.iter().filter(|feature| !feature.is_needed(needs));
+    let saving = |feature, about, bytes| Saving { feature, about, bytes, ns_per_sample: None };
+    let mut all: Vec<_> = absent
+        .map(|feature| {
+            // What only the tracing loop knows has buffers by the scene's own lists, which are empty.
+            let bytes = if feature.is_layers() { u64::from(pixels) * layer_bytes(settings) } else { 0 };
+            saving(feature.name, feature.about, bytes)
+        })
+        .collect();
+    if !needs.alpha_masks {
+        all.push(saving("alpha_masks", "holes by textures' opacity", needs.triangles * MASK_BYTES));
+    }
+    if !needs.second_uv {
+        all.push(saving("second_uv", "second texture coordinates", needs.triangles * SECOND_UV_BYTES));
+    }
+    all
+}
+
+/// Bytes of a pixel that further layers would have.
+fn layer_bytes(settings: &Settings) -> u64 {
+    if settings.cache == CacheKind::None {
+        return 0;
+    }
+    let composition = match settings.filter {
+        FilterKind::Screen => Composition::Screen,
+        // As in a scene with rough lobes.
+        FilterKind::Layered => Composition::LayeredRough,
+        FilterKind::None => Composition::Layered,
+    };
+    let direct = if settings.direct == DirectLight::Traced { Direct::Record } else { Direct::Estimate };
+    let of = |layers| FilterStages::pixel_bytes(direct, layers, composition);
+    of(settings.filter_layers) - of(1)
+}
+
+impl fmt::Display for Saving {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "leaves out {}: {}", self.feature, self.about)?;
+        if self.bytes > 0 {
+            write!(f, "; saves {:.1} MiB", self.bytes as f64 / f64::from(1 << 20))?;
+        }
+        match self.ns_per_sample {
+            Some(ns) => write!(f, "; saves {ns:.1} ns a sample"),
+            None => Ok(()),
+        }
+    }
+}
