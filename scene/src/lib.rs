@@ -16,36 +16,61 @@
 //!   keeps its precision. Cameras ([`View`]) keep the file's coordinates; [`View::camera`] makes them relative.
 //! - **Baked and instanced.** Meshes placed once are written in world space and become one mesh; those placed more often
 //!   are stored once and placed by instances.
-//! - **Surfaces.** Every material is a two-sided Lambertian with the diffuse base colour (factor × texture, 8-bit texels
-//!   decoded from sRGB before filtering). Emission is emissive factor × strength, from the front (counter-clockwise) side
-//!   unless the material is double-sided. Emitting primitives are shaded by the triangles' own normals.
+//! - **Surfaces** are glTF's metallic-roughness materials with the extensions below. What has no effect is left out: a
+//!   metal has no inside, a texture of a factor 0 is not even decoded, and a surface with metallic 0, specular factor 0 and
+//!   no transmission is a Lambertian one, whatever its roughness. Reflection is two-sided. Emission is emissive factor ×
+//!   strength × texture, from the front (counter-clockwise) side unless the material is double-sided; emitters without a
+//!   texture are shaded by their triangles' own normals. A texture that is black everywhere emits nothing.
+//! - **Textures** hold 8 bits a channel. Colours (base colour, emission, specular colour) are decoded from sRGB before they
+//!   are filtered, all others are linear. Textures of one image share its texels. A material reads two sets of
+//!   coordinates; the base colour's is the first.
+//! - **Holes.** Alpha masks are the ray caster's ([`pt_integrator::scene::OpacityData`]); blended surfaces are masks at 0.5,
+//!   with a warning. A mask without holes is left out.
 //! - **Cameras** are pinholes with the file's vertical field of view; the picture's size gives the aspect ratio.
 //!   A [`CameraPath`] is a move of one, read from a file of its own.
 //!
 //! # What is read
 //! glTF 2.0 and GLB: nodes (matrix or translation, rotation, scale), meshes of triangles, strips and fans, `POSITION`,
-//! `NORMAL`, the `TEXCOORD_n` that the base colour texture reads, PNG and JPEG images (files, buffer views, `data:`),
-//! perspective cameras, `KHR_materials_emissive_strength`, `KHR_materials_specular` (a factor of 0 is Lambertian),
-//! `KHR_mesh_quantization`. Files that the scene names lie in its folder or below; absolute paths, `..` and other URI
-//! schemes are refused. Sparse accessors, mesh compression and unknown required extensions are refused by name.
+//! `NORMAL`, any two `TEXCOORD_n` a material, PNG and JPEG images (files, buffer views, `data:`), all of the core's material
+//! but occlusion, perspective cameras, and
+//!
+//! | extension | what is read |
+//! |---|---|
+//! | `KHR_lights_punctual` | points, spots, directions; 1 cd = 1 W/sr, 1 lx = 1 W/m²; range |
+//! | `KHR_materials_clearcoat` | factor, roughness, normal map, textures |
+//! | `KHR_materials_emissive_strength` | all |
+//! | `KHR_materials_ior` | all; 0 stands for an infinite one, as 10⁴ |
+//! | `KHR_materials_specular` | factor, colour, textures |
+//! | `KHR_materials_transmission` | factor, texture; thin-walled without a volume |
+//! | `KHR_materials_unlit` | all |
+//! | `KHR_materials_volume` | thickness above 0: a refracting solid; attenuation. The thickness itself is the mesh's |
+//! | `KHR_mesh_quantization`, `KHR_texture_transform` | all |
+//!
+//! Files that the scene names lie in its folder or below; absolute paths, `..` and other URI schemes are refused. Sparse
+//! accessors, mesh compression, images in KTX2, WebP, AVIF, DDS or Basis Universal and unknown required extensions are
+//! refused by name.
 //!
 //! # Untrusted files
 //! Every size, offset and index is checked before it is used, nothing is allocated for announced counts that the file
 //! does not hold, nodes must form trees, and numbers that are not finite are errors. [`LoadOptions`] bounds memory.
 //!
 //! # Memory
-//! 12 bytes a vertex, 60 a triangle (12 corners, 48 shading), 4 a texel; while loading also the file's own bytes and 4–12
-//! bytes a vertex and 12 a triangle of the largest primitive. A million triangles over half a million vertices: 66 MB.
+//! 12 bytes a vertex, 60 a triangle (12 corners, 48 shading), 4 a texel; 24 more a triangle in a scene with second texture
+//! coordinates, 28 in one with masks, and 1 a texel of a mask. While loading also the file's own bytes, its images' as far
+//! as they are not decoded yet, on each thread what a JPEG decoder holds of one image (6 bytes a texel, 12 where it is
+//! progressive), and 4–20 bytes a vertex and 12 a triangle of the largest primitive. A million triangles over half a million
+//! vertices: 66 MB; sixteen images of 2048 × 2048: 268 MB.
 //!
 //! # Determinism
-//! The same file gives the same lists, bit for bit.
+//! The same file gives the same lists, bit for bit, for any number of threads; of several errors, the same one.
 //!
 //! # Limits today
-//! No specular reflection, transmission, normal maps, alpha, emissive textures, vertex colours, punctual lights, skins,
-//! morph targets or animations: each is named in a warning.
+//! Each of these is named in a warning: blended alpha, vertex colours, occlusion and thickness textures, `TANGENT` (normal
+//! maps stand in the frame of their texture coordinates), nearest filtering, a material's third set of coordinates, more
+//! than 8 bits a channel, points and lines, orthographic cameras, skins, morph targets, animations, other extensions.
 //!
 //! # Sources
-//! Khronos, glTF 2.0 specification (2.0.1). [`CameraPath`]: Catmull & Rom 1974, Barry & Goldman 1988. The Cornell box: Goral et al. 1984, in RGB as in Mitsuba 3.
+//! Khronos, glTF 2.0 specification (2.0.1) and the extensions named above. [`CameraPath`]: Catmull & Rom 1974, Barry & Goldman 1988. The Cornell box: Goral et al. 1984, in RGB as in Mitsuba 3.
 
 mod builder;
 mod builtin;
@@ -68,7 +93,7 @@ use pt_integrator::scene::SceneData;
 pub use builtin::{Builtin, builtins};
 pub use error::SceneError;
 pub use glam;
-pub use info::{Extension, Info};
+pub use info::{Extension, Info, Surfaces};
 pub use path::{CameraKey, CameraPath};
 pub use progress::Progress;
 pub use view::View;

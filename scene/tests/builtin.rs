@@ -1,7 +1,7 @@
 //! The built-in scenes are what they say.
 #![expect(clippy::float_cmp, reason = "values that are copied or exact come out exactly")]
 
-use pt_integrator::scene::{Environment, NONE};
+use pt_integrator::scene::{Environment, Lobes, Material, NONE};
 use scene::glam::{DVec3, Vec3};
 use scene::{LoadOptions, Loaded};
 
@@ -165,6 +165,74 @@ fn the_room_is_closed_and_its_lamps_shine_upwards() {
     assert!(loaded.data.positions.iter().all(inside));
 }
 
+/// Six times the volume that the triangles of a material enclose, positive when they face outwards, and whether each edge
+/// is met once in each direction.
+fn enclosed(loaded: &Loaded, material: u32) -> (f32, bool) {
+    let data = &loaded.data;
+    let point = |i: u32| Vec3::from(data.positions[i as usize]);
+    let mut edges = std::collections::HashMap::new();
+    let mut six = 0.0;
+    for (triangle, _) in data.indices.iter().zip(&data.triangle_shading).filter(|(_, s)| s.material == material) {
+        let [a, b, c] = triangle.map(point);
+        six += a.dot(b.cross(c));
+        for (from, to) in [(a, b), (b, c), (c, a)].map(|(a, b)| (a.to_array(), b.to_array())) {
+            let bits = |p: [f32; 3]| p.map(|x| (x + 0.0).to_bits());
+            *edges.entry((bits(from), bits(to))).or_insert(0) += 1;
+            *edges.entry((bits(to), bits(from))).or_insert(0) -= 1;
+        }
+    }
+    (six, edges.values().all(|&n| n == 0))
+}
+
+#[test]
+fn glass_is_closed_and_faces_outwards() {
+    use std::f32::consts::PI;
+    let caustic = load("builtin:caustic-glass");
+    let interior = load("builtin:interior");
+    let ring = 2.0 * PI * PI * 0.42 * 0.17 * 0.17;
+    for (loaded, volumes) in
+        [(&caustic, vec![4.0 / 3.0 * PI * 0.6_f32.powi(3), ring]), (&interior, vec![4.0 / 3.0 * PI * 0.12_f32.powi(3)])]
+    {
+        let solids: Vec<u32> = (0..loaded.data.materials.len() as u32)
+            .filter(|&i| loaded.data.materials[i as usize].flags & Material::VOLUME != 0)
+            .collect();
+        assert_eq!(solids.len(), volumes.len());
+        for (material, volume) in solids.into_iter().zip(volumes) {
+            let (six, closed) = enclosed(loaded, material);
+            assert!(closed, "{}: material {material} has open edges", loaded.name);
+            // Flat triangles cut a little off.
+            let ratio = six / 6.0 / volume;
+            assert!((0.97..1.0).contains(&ratio), "{}: material {material}: {ratio}", loaded.name);
+        }
+    }
+    let light = lamps(&caustic);
+    assert_eq!(light.len(), 2);
+    assert!(light.iter().all(|l| l.2.abs_diff_eq(Vec3::NEG_Y, 1e-6)));
+}
+
+#[test]
+fn the_room_has_a_polished_floor_a_mirror_and_glass() {
+    let loaded = load("builtin:interior");
+    let area_of = |material: usize| -> f32 {
+        let of_material = |i: &usize| loaded.data.triangle_shading[*i].material == material as u32;
+        let area = |i: usize| {
+            let [a, b, c] = loaded.data.indices[i].map(|v| Vec3::from(loaded.data.positions[v as usize]));
+            (b - a).cross(c - a).length() * 0.5
+        };
+        (0..loaded.data.indices.len()).filter(of_material).map(area).sum()
+    };
+    let with = |lobes: Lobes| -> Vec<usize> {
+        (0..loaded.data.materials.len()).filter(|&i| loaded.data.materials[i].lobes() == lobes).collect()
+    };
+    let (floor, mirror) = (with(Lobes::DIFFUSE | Lobes::REFLECTION), with(Lobes::REFLECTION));
+    let glass = with(Lobes::REFLECTION | Lobes::TRANSMISSION);
+    assert_eq!((floor.len(), mirror.len(), glass.len()), (1, 1, 2));
+    assert!((area_of(floor[0]) - 27.0).abs() < 1e-3 && (area_of(mirror[0]) - 1.08).abs() < 1e-3);
+    assert!((area_of(glass[0]) - 1.1 * 1.83).abs() < 1e-3);
+    let roughness = |m: usize| loaded.data.materials[m].surface[1];
+    assert!(roughness(floor[0]) > 0.0 && roughness(mirror[0]) == 0.0 && roughness(glass[1]) == 0.0);
+}
+
 #[test]
 fn instances_are_many_and_stored_once() {
     let loaded = load("builtin:instances");
@@ -187,7 +255,7 @@ fn instances_are_many_and_stored_once() {
 
 #[test]
 fn smooth_normals_lean_to_their_faces() {
-    for name in ["interior", "instances"] {
+    for name in ["interior", "instances", "caustic-glass"] {
         let loaded = load(&format!("builtin:{name}"));
         let mut smooth = 0;
         for (i, shading) in loaded.data.triangle_shading.iter().enumerate().filter(|(_, s)| !s.is_flat()) {

@@ -314,14 +314,25 @@ fn images() {
     let good = png(2, 2, &[200; 16]);
     let mut wide = good.clone();
     wide[16..24].copy_from_slice(&[0, 0, 0x40, 0, 0, 0, 0x40, 0]);
+    let mut jpeg = std::io::Cursor::new(Vec::new());
+    image::GrayImage::new(8, 8).write_to(&mut jpeg, image::ImageFormat::Jpeg).unwrap();
+    let mut jpeg = jpeg.into_inner();
+    // The frame's height and width, 65500 each: 4.3 gigatexels in a few hundred bytes.
+    let frame = jpeg.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
+    jpeg[frame + 5..frame + 9].copy_from_slice(&[0xff, 0xdc, 0xff, 0xdc]);
+    refused(image(jpeg), "/images/0", "65500x65500 pixels cannot be in");
     let mut huge = good.clone();
     huge[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
+    for file in [&mut wide, &mut huge] {
+        let sum = common::crc32(&file[12..29]);
+        file[29..33].copy_from_slice(&sum.to_be_bytes());
+    }
     refused(image(vec![]), "/images/0", "neither PNG nor JPEG");
     refused(image(b"GIF89a".to_vec()), "/images/0", "neither PNG nor JPEG");
     refused(image(good[..good.len() / 2].to_vec()), "/images/0", "no usable PNG");
     refused(image(vec![0xff, 0xd8, 0xff, 0xe0]), "/images/0", "no usable PNG");
-    refused(image(wide), "/images/0", "no usable PNG");
-    refused(image(huge), "/images/0", "no usable PNG");
+    refused(image(wide), "/images/0", "16384x16384 pixels cannot be in");
+    refused(image(huge), "/images/0", "cannot be in");
     let uri = |uri: &'static str| {
         move |f: &mut Gltf| {
             f.textured_material(json!({"uri": uri}), json!({}), 0);
@@ -352,6 +363,22 @@ fn limits_hold() {
         scene::load(path.to_str().unwrap(), &options)
     };
     assert!(load(&|o| o.max_triangles = 4).is_ok());
+    let pictured = {
+        let mut file = Gltf::triangle();
+        let mut primitives = Vec::new();
+        for _ in 0..3 {
+            let view = file.view(&png(4, 4, &[7; 64]));
+            let material = file.textured_material(json!({"bufferView": view, "mimeType": "image/png"}), json!({}), 0);
+            primitives.push(json!({"attributes": {"POSITION": 0}, "material": material}));
+        }
+        file.json["meshes"][0]["primitives"] = json!(primitives);
+        file
+    };
+    std::fs::write(&path, pictured.glb()).unwrap();
+    assert!(load(&|o| o.max_texels = 48).is_ok());
+    let error = load(&|o| o.max_texels = 47).unwrap_err().to_string();
+    assert!(error.contains("/images/2: 16 more texels, the limit is 47") && error.contains("max_texels"), "{error}");
+    std::fs::write(&path, file.glb()).unwrap();
     for error in [load(&|o| o.max_triangles = 3), load(&|o| o.max_bytes = 100)] {
         let error = error.unwrap_err();
         assert!(matches!(error, SceneError::TooLarge { .. }), "{error}");

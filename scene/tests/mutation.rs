@@ -1,91 +1,17 @@
 //! Random damage to a small GLB: no panic, no long wait, no large allocation.
 
 mod common;
+mod survive;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-use common::{Gltf, SQUARE, png};
 use proptest::prelude::*;
-use serde_json::json;
-
-/// Bytes allocated now, and most since the last reset.
-static NOW: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-/// The system's allocator, counted.
-struct Counting;
-
-#[expect(unsafe_code, reason = "a global allocator can only be given so; it hands everything to the system's")]
-// SAFETY: both calls are the system allocator's with the same arguments; the counters don't touch the memory.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let now = NOW.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        PEAK.fetch_max(now, Ordering::Relaxed);
-        // SAFETY: the caller's promises are the system allocator's.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        NOW.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: the pointer came from `alloc` above, so from the system's allocator, with this layout.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// A file with a bit of everything.
-fn sample() -> Gltf {
-    let mut file = Gltf::triangle();
-    let image = png(4, 4, &(0..64).collect::<Vec<u8>>());
-    let (position, normal) = (file.vec3(&SQUARE), file.vec3(&[[0.0, 0.0, 1.0]; 4]));
-    let (uv, indices) = (file.vec2(&[[0.0; 2]; 4]), file.indices(&[0, 1, 2, 0, 2, 3]));
-    let view = file.view(&image);
-    file.textured_material(json!({"bufferView": view, "mimeType": "image/png"}), json!({"wrapS": 33071}), 0);
-    file.push(
-        "materials",
-        json!({"emissiveFactor": [1, 1, 1], "extensions":
-        {"KHR_materials_emissive_strength": {"emissiveStrength": 5}, "KHR_materials_specular": {"specularFactor": 0}}}),
-    );
-    file.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1}}));
-    file.mesh(json!([
-        {"attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv}, "indices": indices, "material": 0},
-        {"attributes": {"POSITION": position}, "mode": 6, "material": 1},
-    ]));
-    let root = file.node(json!({"translation": [1, 2, 3], "children": [2, 3]}));
-    assert_eq!(root, 1);
-    file.push("nodes", json!({"mesh": 1, "rotation": [0, 0, 0.6, 0.8]}));
-    file.push("nodes", json!({"mesh": 1, "scale": [-1, 2, 1]}));
-    file.node(json!({"camera": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1]}));
-    file
-}
-
-/// The longest that loading a kilobyte may take, with room for a busy machine.
-const SLOWEST: Duration = Duration::from_secs(1);
-
-/// The most that loading a few kilobytes may allocate at once: a decoder's fixed buffers are below it, a count taken
-/// at its word is not.
-const LARGEST: usize = 48 << 20;
+use survive::{SMALL, sample, survive_scene};
 
 /// Loads the bytes; whatever they are, an answer comes soon and cheaply.
 fn survive(bytes: &[u8]) {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("scene.glb");
     std::fs::write(&path, bytes).unwrap();
-    let before = NOW.load(Ordering::Relaxed);
-    PEAK.store(before, Ordering::Relaxed);
-    let start = Instant::now();
-    let result = scene::load(path.to_str().unwrap(), &scene::LoadOptions::default());
-    let (taken, peak) = (start.elapsed(), PEAK.load(Ordering::Relaxed).saturating_sub(before));
-    assert!(taken < SLOWEST, "took {taken:?}");
-    assert!(peak < LARGEST, "{peak} bytes at once");
-    match result {
-        Ok(loaded) => loaded.data.validate().unwrap(),
-        Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
-    }
+    survive_scene(&path, SMALL);
 }
 
 /// Where the JSON's text ends.
@@ -152,5 +78,40 @@ proptest! {
 fn the_sample_itself_loads() {
     let loaded = sample().load().unwrap();
     assert_eq!((loaded.info.triangles, loaded.info.instances, loaded.cameras.len()), (9, 3, 1));
+    assert_eq!((loaded.info.punctual_lights, loaded.info.images, loaded.info.surfaces.mask), ([1, 1, 1], 2, 1));
+    assert!(!loaded.data.uv2.is_empty() && loaded.info.surfaces.coat == 1 && loaded.info.surfaces.unlit == 1);
     survive(&sample().glb());
+}
+
+/// Zlib data that unpack to 258 × `repeats` + 1 zeros, 13 bits for 258 of them.
+fn bomb(repeats: usize) -> Vec<u8> {
+    let mut bits = vec![1_u8, 1, 0];
+    let mut huffman = |code: u16, length: u16| bits.extend((0..length).rev().map(|i| (code >> i & 1) as u8));
+    // Literal 0; the last byte once more, 258 times; the end.
+    huffman(0b0011_0000, 8);
+    (0..repeats).for_each(|_| huffman(0b1100_0101_00000, 13));
+    huffman(0, 7);
+    let bytes = bits.chunks(8).map(|c| c.iter().rev().fold(0, |byte, bit| byte << 1 | bit));
+    let sum: [u8; 4] = ((((258 * repeats + 1) % 65_521) as u32) << 16 | 1).to_be_bytes();
+    [0x78, 0x01].into_iter().chain(bytes).chain(sum).collect()
+}
+
+/// A colour profile and a text that unpack to 256 MiB each stay packed.
+#[test]
+fn bombs_beside_the_pixels_are_not_unpacked() {
+    let image = common::png(1, 1, &[1, 2, 3, 255]);
+    let header = 8 + 12 + 13;
+    let packed = bomb((256 << 20) / 258);
+    for (kind, head) in [(b"iCCP", &b"profile\0\0"[..]), (b"zTXt", b"Comment\0\0")] {
+        let mut bytes = image[..header].to_vec();
+        common::png_chunk(&mut bytes, kind, &[head, &packed].concat());
+        bytes.extend(&image[header..]);
+        let mut file = common::Gltf::triangle();
+        let view = file.view(&bytes);
+        let image = serde_json::json!({"bufferView": view, "mimeType": "image/png"});
+        file.textured_material(image, serde_json::json!({}), 0);
+        file.json["meshes"][0]["primitives"][0]["material"] = serde_json::json!(0);
+        survive(&file.glb());
+        assert_eq!(file.load().unwrap().data.texels, [0xff03_0201]);
+    }
 }

@@ -26,7 +26,12 @@ impl Clearcoat {
         let Some(value) = material.extensions.as_ref().and_then(|e| e.others.get(Self::NAME)) else {
             return Ok(None);
         };
+        let place = || format!("{place}/extensions/{}", Self::NAME);
+        // Lists would be taken for fields without names.
+        if !value.is_object() {
+            return Err(at.malformed(place(), "is no object"));
+        }
         let read = serde_json::from_value(value.clone());
-        read.map(Some).map_err(|e| at.malformed(format!("{place}/extensions/{}", Self::NAME), e.to_string()))
+        read.map(Some).map_err(|e| at.malformed(place(), e.to_string()))
     }
 }

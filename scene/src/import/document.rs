@@ -233,11 +233,28 @@ fn check(at: At, root: &mut json::Root) -> Result<(), SceneError> {
 fn pointer(path: &str) -> String {
     let path = path.split(" = ").next().unwrap_or(path);
     let mut out = String::with_capacity(path.len() + 1);
+    let mut before = "";
     for part in path.split(['.', '[', ']']).filter(|p| !p.is_empty()) {
         out.push('/');
-        out.push_str(&escape(part.trim_matches('"')));
+        out.push_str(&escape(if before == "extensions" { extension(part) } else { part.trim_matches('"') }));
+        before = part;
     }
     out
+}
+
+/// An extension's name; the validator knows it by the parser's name for it.
+fn extension(field: &str) -> &str {
+    match field {
+        "khrLightsPunctual" => "KHR_lights_punctual",
+        "emissiveStrength" => "KHR_materials_emissive_strength",
+        "ior" => "KHR_materials_ior",
+        "specular" => "KHR_materials_specular",
+        "transmission" => "KHR_materials_transmission",
+        "unlit" => "KHR_materials_unlit",
+        "volume" => "KHR_materials_volume",
+        "textureTransform" => "KHR_texture_transform",
+        other => other,
+    }
 }
 
 /// One member's name inside a JSON pointer (RFC 6901).
@@ -266,6 +283,10 @@ mod tests {
             "/meshes/3/primitives/0/attributes/POSITION"
         );
         assert_eq!(pointer("extensionsRequired[0] = \"X\""), "/extensionsRequired/0");
+        assert_eq!(
+            pointer("materials[0].extensions.volume.thicknessTexture.index"),
+            "/materials/0/extensions/KHR_materials_volume/thicknessTexture/index"
+        );
         assert_eq!(escape("a/b~c"), "a~1b~0c");
     }
 }

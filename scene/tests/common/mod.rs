@@ -156,6 +156,23 @@ pub fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     out
 }
 
+/// The checksum of PNG's chunks.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |c, _| if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 })
+    })
+}
+
+/// Appends a chunk to a PNG file.
+pub fn png_chunk(out: &mut Vec<u8>, kind: &[u8; 4], data: &[u8]) {
+    out.extend((data.len() as u32).to_be_bytes());
+    let start = out.len();
+    out.extend(kind);
+    out.extend(data);
+    let sum = crc32(&out[start..]);
+    out.extend(sum.to_be_bytes());
+}
+
 /// The corners of a triangle as placed, relative to the scene's origin.
 pub fn corners(loaded: &Loaded, instance: usize, triangle: usize) -> [Vec3; 3] {
     let data = &loaded.data;

@@ -1,0 +1,79 @@
+//! Surfaces with holes.
+
+mod common;
+
+use common::{Gltf, png, warned};
+use hashcache_core::geometry::Opacity;
+use pt_integrator::scene::Material;
+use scene::Loaded;
+use serde_json::{Value, json};
+
+/// Two triangles: one of this material, whose texture's alpha is 0 at the left and 255 at the right, and one without.
+fn load(change: impl FnOnce(&mut Value)) -> Loaded {
+    let mut file = Gltf::triangle();
+    let view = file.view(&png(2, 1, &[9, 9, 9, 0, 9, 9, 9, 255]));
+    let image = json!({"bufferView": view, "mimeType": "image/png"});
+    file.textured_material(image, json!({"wrapS": 33071, "wrapT": 33071}), 0);
+    change(&mut file.json["materials"][0]);
+    let uv = file.vec2(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    file.push("materials", json!({}));
+    file.json["meshes"][0]["primitives"] = json!([
+        {"attributes": {"POSITION": 0, "TEXCOORD_0": uv}, "material": 0},
+        {"attributes": {"POSITION": 0}, "material": 1},
+    ]);
+    let loaded = file.load().unwrap();
+    assert_eq!(loaded.data.validate(), Ok(()));
+    loaded
+}
+
+#[test]
+fn a_mask_says_where_rays_pass() {
+    for (mode, cutoff, passes_at) in [("MASK", 0.5, 0.5), ("MASK", 0.75, 0.625), ("BLEND", 0.5, 0.5)] {
+        let loaded = load(|m| {
+            m["alphaMode"] = json!(mode);
+            m["alphaCutoff"] = json!(cutoff);
+        });
+        let opacity = loaded.data.opacity.view();
+        assert_eq!(opacity.mask_of_triangle, [0, Opacity::NO_MASK]);
+        assert_eq!((opacity.masks.len(), opacity.alpha), (1, &[0, 255][..]));
+        // Bilinear from 0 at u = 1/4 to 1 at u = 3/4.
+        for (u, expected) in [(0.1, true), (passes_at - 0.02, true), (passes_at + 0.02, false), (0.9, false)] {
+            assert_eq!(opacity.passes(0, u, 0.0), expected, "{mode} {cutoff} {u}");
+            assert!(!opacity.passes(1, u, 0.0));
+        }
+        let material = loaded.data.materials[0];
+        assert_eq!(material.flags, Material::ALPHA_MASK);
+        assert_eq!(warned(&loaded, "blended"), (mode == "BLEND").then_some("/materials/0/alphaMode"));
+    }
+}
+
+#[test]
+fn without_holes_there_is_no_mask() {
+    type Change = fn(&mut Value);
+    let opaque: [Change; 4] = [
+        |m| m["alphaMode"] = json!("OPAQUE"),
+        |m| *m = json!({"alphaMode": "MASK"}),
+        |m| *m = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}}),
+        |m| {
+            m["alphaMode"] = json!("MASK");
+            m["alphaCutoff"] = json!(0);
+        },
+    ];
+    for change in opaque {
+        let loaded = load(change);
+        assert_eq!(loaded.data.opacity, pt_integrator::scene::OpacityData::default());
+        assert_eq!(loaded.data.materials[0].flags, 0);
+    }
+    // A factor alone may hide all of it.
+    let hidden =
+        load(|m| *m = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.4]}}));
+    assert!(hidden.data.opacity.view().passes(0, 0.3, 0.3));
+    // And a transform moves the holes.
+    let moved = load(|m| {
+        m["alphaMode"] = json!("MASK");
+        m["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
+            json!({"KHR_texture_transform": {"scale": [-1, 1], "offset": [1, 0]}});
+    });
+    let opacity = moved.data.opacity.view();
+    assert!(!opacity.passes(0, 0.1, 0.0) && opacity.passes(0, 0.9, 0.0));
+}
