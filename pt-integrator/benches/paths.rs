@@ -13,15 +13,17 @@ use std::hint::black_box;
 
 use common::caster::BruteForce;
 use common::scenes::{add_triangles, inward_box, quad};
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use hashcache_core::geometry::{Hit, Ray};
 use hashcache_core::traits::{RayCaster, Sampler};
 use pt_integrator::camera::CameraRays;
 use pt_integrator::glam::{Vec2, Vec3};
+use pt_integrator::light::sample_light;
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts, trace_path};
 use pt_integrator::sampler::{Independent, Sobol, pixel_seed};
-use pt_integrator::scene::{Camera, Material, SceneData};
+use pt_integrator::scene::{Camera, Material, Needs, PunctualLight, SceneData, Texture, Wrap};
 
 const PATHS: u32 = 4096;
 
@@ -94,5 +96,57 @@ fn paths(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, samplers, paths);
+/// One sample of an emitter among few and among many, as seen from the middle of the room.
+fn lights(c: &mut Criterion) {
+    let mut group = c.benchmark_group("pt-integrator/sample_light");
+    group.throughput(Throughput::Elements(u64::from(PATHS)));
+    for (kind, side) in [("triangles/12", 2.45_f32), ("triangles/10000", 70.72)] {
+        let count = (side * side * 2.0) as usize;
+        let mut triangles = Vec::new();
+        for i in 0..count.div_ceil(2) {
+            let (x, z) = (i as f32 % side, (i as f32 / side).floor());
+            triangles.extend(quad(Vec3::new(x, 40.0, z), 0.9 * Vec3::X, 0.9 * Vec3::Z));
+        }
+        let mut scene = SceneData::default();
+        add_triangles(&mut scene, &triangles[..count], Material::emissive([0.5; 3], [3.0, 2.0, 1.0]));
+        lights_row(&mut group, kind, &scene);
+        scene.textures = vec![Texture::new(0, [64, 64], [Wrap::Repeat; 2])];
+        scene.texels = (0..64 * 64_u32).map(|i| i.wrapping_mul(0x9e37_79b9)).collect();
+        scene.materials[0].textures[Material::EMISSION] = 0;
+        for (i, shading) in scene.triangle_shading.iter_mut().enumerate() {
+            shading.uv = [[0.0, i as f32 * 0.37], [0.3, 0.5], [i as f32 * 0.11, 0.7]];
+        }
+        lights_row(&mut group, &format!("textured {kind}"), &scene);
+    }
+    for count in [1, 1000] {
+        let mut scene = room();
+        let light = |i: u32| PunctualLight::point(Vec3::new(i as f32 * 1e-3, 0.9, 0.0), [1.0; 3]);
+        scene.punctual_lights = (0..count).map(light).collect();
+        lights_row(&mut group, &format!("points/{count}"), &scene);
+    }
+    group.finish();
+}
+
+fn lights_row(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scene: &SceneData) {
+    let packed = PackedScene::new(scene).expect("a valid scene");
+    let view = packed.view();
+    let general = view.needs().intersects(Needs::GENERAL);
+    group.bench_function(name, |b| {
+        b.iter(|| {
+            let sample = |i: u32| {
+                let mut sampler = Independent::new(i, 7);
+                let from = black_box(Vec3::ZERO);
+                let sample = if general {
+                    sample_light::<{ Needs::ALL }>(&view, &mut sampler, from)
+                } else {
+                    sample_light::<{ Needs::TRIANGLE_LIGHTS }>(&view, &mut sampler, from)
+                };
+                sample.map_or(0.0, |light| light.pdf)
+            };
+            (0..PATHS).map(sample).sum::<f32>()
+        });
+    });
+}
+
+criterion_group!(benches, samplers, paths, lights);
 criterion_main!(benches);

@@ -17,7 +17,7 @@ use pt_integrator::path::{PathOutcome, PathSettings, RayCounts, trace_path};
 use pt_integrator::ray::ray_towards;
 use pt_integrator::sampler::Sobol;
 use pt_integrator::scene::{
-    Camera, CameraError, Environment, EnvironmentImage, Material, SceneData, SceneError, Texture, Wrap,
+    Camera, CameraError, Environment, EnvironmentImage, Material, PunctualLight, SceneData, SceneError, Texture, Wrap,
 };
 use pt_integrator::texture::{SRGB_TO_LINEAR, sample_texture};
 
@@ -179,6 +179,48 @@ fn scenes_that_cannot_be() {
     assert!(matches!(error(|s| s.materials[0].emission[0] = -1.0), SceneError::Number { at: "material", .. }));
     assert!(matches!(error(|s| s.materials[0].textures[Material::BASE_COLOR] = 0), SceneError::Index { .. }));
     assert!(matches!(error(|s| s.triangle_shading.truncate(1)), SceneError::Length { .. }));
+    for change in [
+        |m: &mut Material| m.interior[0] = f32::INFINITY,
+        |m: &mut Material| m.interior[3] = -1.5,
+        |m: &mut Material| m.surface[1] = f32::NAN,
+        |m: &mut Material| m.surface[3] = f32::INFINITY,
+        |m: &mut Material| m.specular[3] = -0.1,
+        |m: &mut Material| m.coat[0] = f32::NAN,
+        |m: &mut Material| m.base_color[3] = -1.0,
+    ] {
+        let mut scene = good();
+        change(&mut scene.materials[0]);
+        assert!(matches!(PackedScene::new(&scene), Err(SceneError::Number { at: "material", element: 0 })));
+    }
+    for place in 0..12 {
+        let mut scene = good();
+        scene.materials[0].textures[place] = 3;
+        assert!(matches!(PackedScene::new(&scene), Err(SceneError::Index { index: 3, .. })));
+    }
+    let light = PunctualLight::spot(Vec3::ONE, Vec3::Y, [1.0; 3], [0.9, 0.8]);
+    for change in [
+        |l: &mut PunctualLight| l.position[1] = f32::NAN,
+        |l: &mut PunctualLight| l.position[3] = 7.0,
+        |l: &mut PunctualLight| l.direction[0] = 1.0,
+        |l: &mut PunctualLight| l.direction[3] = 1.5,
+        |l: &mut PunctualLight| l.intensity[2] = -1.0,
+        |l: &mut PunctualLight| l.intensity[3] = f32::NAN,
+        |l: &mut PunctualLight| l.range[0] = -1.0,
+    ] {
+        let mut scene = good();
+        scene.punctual_lights = vec![light, light];
+        assert!(PackedScene::new(&scene).is_ok());
+        change(&mut scene.punctual_lights[1]);
+        assert!(matches!(PackedScene::new(&scene), Err(SceneError::Number { at: "punctual light", element: 1 })));
+    }
+    assert!(matches!(error(|s| s.environment_rotation = f32::NAN), SceneError::Number { .. }));
+    assert!(matches!(error(|s| s.uv2 = vec![[[0.0; 2]; 3]; 1]), SceneError::Length { .. }));
+    assert!(matches!(error(|s| s.uv2 = vec![[[f32::NAN; 2]; 3]; 2]), SceneError::Number { .. }));
+    let texture = Texture { uv_rows: [[f32::NAN; 4]; 2], ..Texture::new(0, [1, 1], [Wrap::Repeat; 2]) };
+    let mut scene = SceneData { textures: vec![texture], texels: vec![0], ..good() };
+    assert!(matches!(PackedScene::new(&scene), Err(SceneError::Number { at: "texture", .. })));
+    scene.textures[0] = Texture::new(u32::MAX, [2, 2], [Wrap::Repeat; 2]);
+    assert!(matches!(PackedScene::new(&scene), Err(SceneError::Index { at: "texture", .. })));
     let image = EnvironmentImage { width: 4, height: 2, texels: vec![[0.0; 4]; 7] };
     let mut scene = good();
     scene.environment = Some(Environment::Image(image));

@@ -129,7 +129,7 @@ impl EnvironmentView<'_> {
     #[inline]
     fn turned(&self, direction: Vec3, sense: f32) -> Vec3 {
         let [cosine, sine] = self.rotation;
-        if sine == 0.0 && cosine == 1.0 {
+        if sine == 0.0 && cosine > 0.0 {
             return direction;
         }
         let (x, z, sine) = (direction.x, direction.z, sine * sense);

@@ -101,14 +101,14 @@ fn emits(triangle: usize, material: &Material, means: &[f32]) -> bool {
     material.emits() && (material.textures[Material::EMISSION] == NONE || means[triangle] > 0.0)
 }
 
-fn run(mesh: &Mesh) -> core::ops::Range<usize> {
+fn run(mesh: Mesh) -> core::ops::Range<usize> {
     mesh.first_triangle as usize..(mesh.first_triangle + mesh.triangle_count) as usize
 }
 
 fn number_emitters(meshes: &[Mesh], triangles: &mut [SceneTriangle], materials: &[Material], means: &[f32]) {
     for mesh in meshes {
         let mut next = 0;
-        for index in run(mesh) {
+        for index in run(*mesh) {
             let triangle = &mut triangles[index];
             triangle.emitter = NONE;
             if emits(index, &materials[triangle.material as usize], means) {
@@ -129,7 +129,7 @@ fn candidates(
     let mut found = Vec::new();
     for instance in instances {
         instance.first_light = found.len() as u32;
-        for index in run(&meshes[instance.mesh as usize]) {
+        for index in run(meshes[instance.mesh as usize]) {
             let triangle = &triangles[index];
             let material = &materials[triangle.material as usize];
             if triangle.emitter == NONE {

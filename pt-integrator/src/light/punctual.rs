@@ -10,14 +10,14 @@ impl PunctualLight {
     /// The light as seen from `from`, or `None` where it does not shine.
     ///
     /// # Source
-    /// `KHR_lights_punctual`: inverse square law, the recommended fading towards `range`, and the square of a linear
+    /// glTF light extension: inverse square law, the recommended fading towards `range`, and the square of a linear
     /// ramp in the cosine between a spot's two cones.
     ///
     /// # Deviation
     /// Equal cones make a hard edge; the extension's formula widens it by 0.001 in the cosine.
     #[inline]
     pub fn sample(&self, from: Vec3) -> Option<LightSample> {
-        let [px, py, pz, kind] = self.position;
+        let [px, py, pz, _] = self.position;
         let [dx, dy, dz, inner] = self.direction;
         let [r, g, b, outer] = self.intensity;
         let [range, pdf, ..] = self.range;
@@ -27,7 +27,7 @@ impl PunctualLight {
             let seen = pdf > 0.0 && radiance != Vec3::ZERO && radiance.is_finite();
             seen.then_some(LightSample { direction, target, radiance, pdf, is_delta: true })
         };
-        if kind == Self::DIRECTIONAL {
+        if self.is_directional() {
             return brought(-along, None, 1.0);
         }
         let position = Vec3::new(px, py, pz);
@@ -40,7 +40,7 @@ impl PunctualLight {
             let ratio = distance / range;
             factor *= (1.0 - ratio * ratio * ratio * ratio).max(0.0);
         }
-        if kind == Self::SPOT {
+        if self.is_spot() {
             factor *= falloff(-along.dot(direction), inner, outer);
         }
         brought(direction, Some(position), factor)
@@ -52,13 +52,12 @@ impl PunctualLight {
     pub(super) fn power_over_pi(&self, squared: f64) -> f64 {
         let [r, g, b, outer] = self.intensity;
         let strength = f64::from(luminance(Vec3::new(r, g, b)));
-        let [_, _, _, kind] = self.position;
-        if kind == Self::DIRECTIONAL {
+        if self.is_directional() {
             return strength * squared;
         }
         // A cone's solid angle over π is twice 1 − cosine; a spot's is taken half-way between its cones.
-        let inner = if kind == Self::SPOT { self.direction[3].max(outer) } else { -1.0 };
-        let outer = if kind == Self::SPOT { outer } else { -1.0 };
+        let inner = if self.is_spot() { self.direction[3].max(outer) } else { -1.0 };
+        let outer = if self.is_spot() { outer } else { -1.0 };
         strength * (2.0 - f64::from(inner) - f64::from(outer))
     }
 }

@@ -31,9 +31,9 @@ impl Needs {
 
     /// Emitters that next-event estimation samples.
     pub const SAMPLED_LIGHTS: u32 = Self::TRIANGLE_LIGHTS | Self::ENVIRONMENT_IMAGE | Self::PUNCTUAL;
-    /// What scenes of Lambertian surfaces may need; each combination has a loop of its own.
+    /// What plain Lambertian scenes may need; each combination has a loop of its own.
     pub const LAMBERT: u32 = Self::TEXTURES | Self::TRIANGLE_LIGHTS | Self::ENVIRONMENT_IMAGE;
-    /// The rest; a loop has all of it or nothing.
+    /// The rest; scenes that need any of it share one loop.
     pub const GENERAL: u32 =
         Self::GLOSSY | Self::TRANSMISSION | Self::COAT | Self::NORMAL_MAPS | Self::PUNCTUAL | Self::EMISSIVE_TEXTURES;
     /// All bits.
@@ -78,13 +78,6 @@ impl Needs {
     /// The word as stored.
     pub const fn bits(self) -> u32 {
         self.0
-    }
-
-    /// The smallest set with a loop of its own that holds this one: the bits of [`Needs::LAMBERT`] as they are, and all
-    /// or nothing of [`Needs::GENERAL`].
-    pub const fn of_loop(self) -> u32 {
-        let general = if self.0 & Self::GENERAL == 0 { 0 } else { Self::GENERAL };
-        self.0 & Self::LAMBERT | general
     }
 
     /// Whether all these bits are set.

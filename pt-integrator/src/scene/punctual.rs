@@ -9,7 +9,7 @@ use glam::Vec3;
 /// glTF states candela and lux. They are taken as 1 cd = 1 W/sr and 1 lx = 1 W/m².
 ///
 /// # Source
-/// `KHR_lights_punctual`.
+/// glTF light extension.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PunctualLight {
@@ -46,6 +46,19 @@ impl PunctualLight {
     /// Light that travels along `direction` (unit) and brings this irradiance.
     pub const fn directional(direction: Vec3, irradiance: [f32; 3]) -> Self {
         Self::new(Self::DIRECTIONAL, Vec3::ZERO, direction, irradiance, [-1.0, -1.0])
+    }
+
+    /// Whether the light has no position.
+    #[inline]
+    pub fn is_directional(&self) -> bool {
+        // Kinds are small integers; in between lies none.
+        self.position[3] > 1.5
+    }
+
+    /// Whether the light has a cone.
+    #[inline]
+    pub fn is_spot(&self) -> bool {
+        self.position[3] > 0.5 && !self.is_directional()
     }
 
     const fn new(kind: f32, p: Vec3, d: Vec3, [r, g, b]: [f32; 3], [inner, outer]: [f32; 2]) -> Self {

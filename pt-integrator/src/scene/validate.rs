@@ -89,8 +89,8 @@ fn surfaces(scene: &SceneData) -> Checked {
 }
 
 /// Light, and whatever else has no negative amount.
-fn light(x: &f32) -> bool {
-    x.is_finite() && *x >= 0.0
+fn light(x: f32) -> bool {
+    x.is_finite() && x >= 0.0
 }
 
 fn material(material: &Material) -> bool {
@@ -100,7 +100,7 @@ fn material(material: &Material) -> bool {
     let amounts = amounts.iter().chain([coat, coat_roughness]);
     let finite = scale.is_finite() && coat_scale.is_finite();
     let colors = base_color.iter().chain(emission).chain(specular).chain(interior);
-    finite && colors.chain(amounts).all(light)
+    finite && colors.chain(amounts).copied().all(light)
 }
 
 fn punctual(source: &PunctualLight) -> bool {
@@ -114,7 +114,7 @@ fn punctual(source: &PunctualLight) -> bool {
         && kinds.contains(&position[3])
         && length < UNIT
         && cosines
-        && intensity[..3].iter().all(light)
+        && intensity[..3].iter().copied().all(light)
         && range[0] >= 0.0
 }
 
@@ -122,11 +122,13 @@ fn environment(scene: &SceneData) -> Checked {
     numbers("environment's rotation", core::iter::once(scene.environment_rotation.is_finite()))?;
     match &scene.environment {
         None => Ok(()),
-        Some(Environment::Constant(radiance)) => numbers("environment", core::iter::once(radiance.iter().all(light))),
+        Some(Environment::Constant(radiance)) => {
+            numbers("environment", core::iter::once(radiance.iter().copied().all(light)))
+        }
         Some(Environment::Image(image)) => {
             let texels = u64::from(image.width) * u64::from(image.height);
             length("environment's texels", image.texels.len() as u64, texels.max(1))?;
-            numbers("environment's texel", image.texels.iter().map(|t| t[..3].iter().all(light)))
+            numbers("environment's texel", image.texels.iter().map(|t| t[..3].iter().copied().all(light)))
         }
     }
 }
