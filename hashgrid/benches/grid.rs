@@ -5,6 +5,8 @@
 //! table), a doubled time for the doubled number of operations is a perfect score. Elsewhere than on Linux it is elapsed
 //! time times the number of threads.
 
+mod common;
+
 use std::collections::HashMap;
 use std::env;
 use std::hint::black_box;
@@ -14,6 +16,7 @@ use std::thread;
 use std::time::Duration;
 
 use bytemuck::Zeroable;
+use common::cpu_time;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hashcache_core::counters::Counters;
 use hashcache_core::hash::{pcg, pcg2d};
@@ -40,20 +43,6 @@ fn vertex(i: u32) -> VertexRecord {
 
 fn zeroed(words: usize) -> Vec<AtomicU64> {
     (0..words).map(|_| AtomicU64::new(0)).collect()
-}
-
-/// CPU time that the process has used.
-#[cfg(target_os = "linux")]
-fn cpu_time(_threads: usize) -> Duration {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    Duration::new(now.tv_sec as u64, now.tv_nsec as u32)
-}
-
-/// Elapsed time, as if all threads had worked throughout.
-#[cfg(not(target_os = "linux"))]
-fn cpu_time(threads: usize) -> Duration {
-    static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
-    START.get_or_init(std::time::Instant::now).elapsed() * threads as u32
 }
 
 /// A table of half as many keys as cells, and what asks for them.
@@ -233,6 +222,53 @@ fn std_map(c: &mut Criterion, case: &Case) {
     });
 }
 
+/// Sixty-four maps of the standard library (hashbrown) behind locks of their own, with the same sums.
+fn sharded_maps(c: &mut Criterion, case: &Case) {
+    const SHARDS: usize = 64;
+    if case.cells > 4 << 20 {
+        return;
+    }
+    let maps: Vec<_> = (0..SHARDS).map(|_| std::sync::Mutex::new(HashMap::<Key, [u64; 7]>::new())).collect();
+    let add = |key: &Key| {
+        let shard = &maps[fingerprint(key) as usize % SHARDS];
+        for sum in shard.lock().expect("nobody panics").entry(*key).or_default() {
+            *sum += 1;
+        }
+    };
+    for i in 0..case.cells / 2 {
+        add(&key(&case.params, &vertex(i), 0).expect("a finite vertex"));
+    }
+    for threads in [1, 2] {
+        case.measure(c, "deposit/sharded_maps", threads, |part| case.keys[part].iter().for_each(add));
+    }
+}
+
+/// Lookups and deposits of keys that were claimed, by load, in a table of a mebi-cell.
+fn load_curve(c: &mut Criterion) {
+    const CELLS: u32 = 1 << 20;
+    for percent in [10, 30, 50, 70, 80, 90, 95] {
+        let mut case = Case::new(CELLS);
+        let table = case.table();
+        table.clear();
+        let count = (u64::from(CELLS) * percent / 100) as u32;
+        for first in (0..count).step_by(4096) {
+            let part: Vec<_> = (first..(first + 4096).min(count)).map(vertex).collect();
+            claim_vertices(&table, &case.params, &part);
+            deposit_vertices(&table, &case.params, &part, &mut Counters::default());
+        }
+        let chosen = (0..2 * OPERATIONS as u32).map(|i| vertex(pcg(i) % count));
+        case.keys = chosen.filter_map(|vertex| key(&case.params, &vertex, 0)).collect();
+        let table = case.table();
+        case.measure(c, &format!("lookup/load_{percent}"), 1, |part| {
+            let found = case.keys[part].iter().filter_map(|key| table.lookup(key));
+            black_box(found.fold(0_u64, |sum, cell| sum.wrapping_add(cell.direct[0] ^ cell.further[2])));
+        });
+        case.measure(c, &format!("deposit/load_{percent}"), 1, |part| {
+            black_box(case.keys[part].iter().filter(|key| table.deposit(key, &[1; 6])).count());
+        });
+    }
+}
+
 fn grid(c: &mut Criterion) {
     let sizes = env::var("HASHGRID_BENCH_CELLS").unwrap_or_else(|_| "1,4,16".into());
     for size in sizes.split(',').map(|size| size.trim().parse::<u32>().expect("a list of numbers")) {
@@ -242,9 +278,10 @@ fn grid(c: &mut Criterion) {
             deposits(c, &case, threads);
         }
         std_map(c, &case);
+        sharded_maps(c, &case);
         plain_tables(c, &mut case);
     }
 }
 
-criterion_group!(benches, grid);
+criterion_group!(benches, grid, load_curve);
 criterion_main!(benches);

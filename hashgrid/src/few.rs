@@ -214,7 +214,7 @@ fn levels(key: &Key, count: u32) -> impl Iterator<Item = Key> + use<> {
 }
 
 fn deposit_key_of(params: &Params, vertex: &VertexRecord) -> Option<Key> {
-    if vertex.is_valid() { key(params, vertex, SALT_DEPOSIT) } else { None }
+    if vertex.is_recordable() { key(params, vertex, SALT_DEPOSIT) } else { None }
 }
 
 /// Claims the cell of every vertex and those above it, on `count` levels in all. True when some key was refused. Any
@@ -253,7 +253,7 @@ pub fn deposit_levels<L: Layout>(
     count: u32,
     counters: &mut Counters,
 ) {
-    for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
+    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
         let Some(key) = deposit_key_of(params, vertex) else {
             deposit_key(table, params, None, vertex, counters);
             continue;

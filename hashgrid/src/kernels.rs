@@ -26,6 +26,9 @@ pub const WGSL_KEY: &str = include_str!("../wgsl/key.wgsl");
 /// Twins of where the points of [`crate::points`] are; needs [`WGSL_KEY`] and what that needs.
 pub const WGSL_POINTS: &str = include_str!("../wgsl/points.wgsl");
 
+/// Twins of [`crate::lobe`] and of the home of [`crate::similar`]; needs [`WGSL_KEY`] and what that needs.
+pub const WGSL_LOBE: &str = include_str!("../wgsl/lobe.wgsl");
+
 /// Twins of [`crate::tag`].
 pub const WGSL_TAG: &str = include_str!("../wgsl/tag.wgsl");
 

@@ -17,14 +17,14 @@ use crate::params::Params;
 use crate::table::{Claim, Table};
 use crate::vertex::{deposit_key, find_named, own_value};
 
-/// Claims a cell for the key of every valid vertex. True when some key was refused. Any number of threads may claim
+/// Claims a cell for the key of every recordable vertex. True when some key was refused. Any number of threads may claim
 /// parts of the same vertices.
 pub fn claim_keyed<L: Layout>(
     table: &Table<'_, L>,
     vertices: &[VertexRecord],
     key_of: impl Fn(&VertexRecord) -> Option<Key>,
 ) -> bool {
-    let keys = vertices.iter().filter(|vertex| vertex.is_valid()).filter_map(key_of);
+    let keys = vertices.iter().filter(|vertex| vertex.is_recordable()).filter_map(key_of);
     keys.fold(false, |refused, key| refused | (table.claim(&key) == Claim::Refused))
 }
 
@@ -35,12 +35,12 @@ pub fn name_keyed<L: Layout>(
     key_of: impl Fn(&VertexRecord) -> Option<Key>,
     step: Naming,
 ) {
-    for key in vertices.iter().filter(|vertex| vertex.is_valid()).filter_map(key_of) {
+    for key in vertices.iter().filter(|vertex| vertex.is_recordable()).filter_map(key_of) {
         table.name(&key, step);
     }
 }
 
-/// Deposits every valid vertex under its key. What finds no cell, and what is cut off, is counted. Any number of threads
+/// Deposits every recordable vertex under its key. What finds no cell, and what is cut off, is counted. Any number of threads
 /// may deposit parts of the same vertices.
 pub fn deposit_keyed<L: Layout>(
     table: &Table<'_, L>,
@@ -49,7 +49,7 @@ pub fn deposit_keyed<L: Layout>(
     key_of: impl Fn(&VertexRecord) -> Option<Key>,
     counters: &mut Counters,
 ) {
-    for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
+    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
         deposit_key(table, params, key_of(vertex).as_ref(), vertex, counters);
     }
 }

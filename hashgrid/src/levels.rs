@@ -67,7 +67,7 @@ pub struct Inherited {
 
 /// Stamps the cells that a frame's vertices deposit into. Any number of threads may stamp parts of the same vertices.
 pub fn touch_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord], frame: u32) {
-    for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
+    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
         let found = key(params, vertex, SALT_DEPOSIT).and_then(|key| table.find_named(&key));
         if let Some(slot) = found {
             table.touch(slot, frame);

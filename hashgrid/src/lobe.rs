@@ -37,7 +37,7 @@
 //! Binder et al. 2021, section 3.1.2.
 //!
 //! # Limits today
-//! On the host, and nobody here splits light by layer: the records' illumination is that of a diffuse lobe.
+//! Claims and deposits are on the host (the keys have WGSL bodies), and nobody here splits light by layer: the records' illumination is that of a diffuse lobe.
 
 use hashcache_core::error::ParamError;
 use hashcache_core::hash::pcg3d;
@@ -101,8 +101,9 @@ impl Lobe {
         Some(Key { attributes: key.attributes | self.attributes(params, vertex, salt), ..key })
     }
 
+    /// What the lobe adds to [`Key::attributes`]: layer and direction.
     #[inline]
-    fn attributes(&self, params: &Params, vertex: &VertexRecord, salt: u32) -> u32 {
+    pub fn attributes(&self, params: &Params, vertex: &VertexRecord, salt: u32) -> u32 {
         let layer = self.layer << 30;
         if self.direction_bins == 0 {
             return layer;

@@ -151,9 +151,11 @@ impl<'a, L: Layout, F: Layout> Merge<'a, L, F> {
     pub fn add<R: Rule>(&self, slots: Range<u32>, rule: &R, frame: u32) -> Merged {
         let mut merged = Merged::default();
         for slot in slots {
-            let Some(place) = self.place(slot) else { continue };
             let new = self.frame.sums(slot);
-            let Some(to) = self.find(&place) else {
+            if new.count == 0 {
+                continue;
+            }
+            let Some(to) = self.place(slot).and_then(|place| self.find(&place)) else {
                 merged.refused += 1;
                 merged.energy_refused = merged.energy_refused.wrapping_add(new.energy());
                 continue;

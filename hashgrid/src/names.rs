@@ -54,7 +54,7 @@ pub fn name_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices:
     if L::Kept::WORDS == 0 {
         return;
     }
-    for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
+    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
         if let Some(key) = key(params, vertex, SALT_DEPOSIT) {
             table.name(&key, step);
         }

@@ -63,7 +63,7 @@ pub const fn place_home(key: &Key) -> u32 {
 }
 
 fn deposit_key(params: &Params, vertex: &VertexRecord) -> Option<Key> {
-    if vertex.is_valid() { key(params, vertex, SALT_DEPOSIT) } else { None }
+    if vertex.is_recordable() { key(params, vertex, SALT_DEPOSIT) } else { None }
 }
 
 fn home_slot<L: Layout>(table: &Table<'_, L>, key: &Key) -> u32 {
@@ -89,7 +89,7 @@ pub fn deposit_similar<L: Layout>(
     vertices: &[VertexRecord],
     counters: &mut Counters,
 ) {
-    for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
+    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
         counters.deposits += 1;
         let values = quantize_for::<L>(params, vertex);
         let found = deposit_key(params, vertex);

@@ -6,7 +6,7 @@ use hashcache_core::error::ParamError;
 use hashcache_core::exact::{MAX_DEPOSITS, Quantum, mean};
 
 use crate::key::{Key, fingerprint, home};
-use crate::layout::{Layout, Standard};
+use crate::layout::{Keep, Layout, Standard};
 use crate::params::{MAX_PROBES, Params};
 use crate::sums::{luminance, square};
 use crate::tag::{EMPTY, NEW, tag, tag_distance};
@@ -197,8 +197,11 @@ impl<'a, L: Layout> Table<'a, L> {
 
     #[inline]
     pub(crate) fn forget_key(&self, slot: u32) {
-        for word in self.key_words(slot) {
-            word::set(word, u64::MAX);
+        // Asked here, so that nothing is left of it in layouts without keys, not even a check of bounds.
+        if L::Kept::WORDS > 0 {
+            for word in self.key_words(slot) {
+                word::set(word, u64::MAX);
+            }
         }
     }
 

@@ -196,7 +196,7 @@ pub fn change_vertices<L: Layout>(
     counters: &mut Counters,
 ) {
     let light = |vertex: &VertexRecord| luminance(&quantize_vertex(params, vertex).map(|channel| channel.value));
-    for (before, now) in before.iter().zip(now).filter(|(before, now)| before.is_valid() && now.is_valid()) {
+    for (before, now) in before.iter().zip(now).filter(|(before, now)| before.is_recordable() && now.is_recordable()) {
         let found = key(params, now, SALT_DEPOSIT).and_then(|key| table.find_named(&key));
         match found {
             Some(slot) => table.add_change(slot, Change::of(light(before), light(now))),

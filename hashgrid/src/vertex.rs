@@ -69,20 +69,21 @@ fn starts<L: Layout>(
     starts
 }
 
-/// Claims a cell for every vertex that has a key. True when some key was refused.
+/// Claims a cell for every [recordable](VertexRecord::is_recordable) vertex that has a key. True when some key was refused.
 ///
 /// Any number of threads may claim parts of the same vertices.
 pub fn claim_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord]) -> bool {
     let mut refused = false;
     for batch in vertices.chunks(BATCH) {
-        for (start, head) in starts(table, params, batch, SALT_DEPOSIT).into_iter().flatten() {
+        for (start, vertex) in starts(table, params, batch, SALT_DEPOSIT).into_iter().zip(batch) {
+            let Some((start, head)) = start.filter(|_| vertex.is_recordable()) else { continue };
             refused |= table.claim_from(start.slot, start.fingerprint, head) == Claim::Refused;
         }
     }
     refused
 }
 
-/// Deposits every vertex into the cell that was claimed for it. What finds no cell, and what is cut off, is counted.
+/// Deposits every [recordable](VertexRecord::is_recordable) vertex into the cell that was claimed for it. What finds no cell, and what is cut off, is counted.
 ///
 /// Any number of threads may deposit parts of the same vertices, each with its own counters.
 pub fn deposit_vertices<L: Layout>(
@@ -94,7 +95,7 @@ pub fn deposit_vertices<L: Layout>(
     for batch in vertices.chunks(BATCH) {
         let starts = starts(table, params, batch, SALT_DEPOSIT);
         for (start, vertex) in starts.into_iter().zip(batch) {
-            if vertex.flags & VertexRecord::VALID == 0 {
+            if !vertex.is_recordable() {
                 continue;
             }
             counters.deposits += 1;

@@ -161,10 +161,10 @@ fn the_nearest_are_the_nearest() {
 /// Nearer points are drawn more often: in proportion to 1/d².
 #[test]
 fn choices_follow_the_inverse_square() {
+    const COUNT: u32 = 200_000;
     for distances in [[1, 1, 1], [0, 5, 5], [0, 0, 0], [100, 200, 300], [90_000, 90_001, 2_000_000], [3, 70, 7_000_000]]
     {
         let mut counts = [0_u32; 3];
-        const COUNT: u32 = 200_000;
         for i in 0..COUNT {
             counts[point_choose(distances, pcg(i)) as usize] += 1;
         }

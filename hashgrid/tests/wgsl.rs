@@ -2,7 +2,8 @@
 
 use backend_api::{Access, Kernel};
 use hashcache_core::counters::Counters;
-use hashgrid::kernels::{CLAIM, CLEAR, DEPOSIT, LOOKUP};
+use hashcache_core::wgsl as hc;
+use hashgrid::kernels::{CLAIM, CLEAR, DEPOSIT, LOOKUP, WGSL_KEY, WGSL_LOBE, WGSL_POINTS};
 use hashgrid::{Key, Params, key, params, tag};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -34,6 +35,20 @@ fn kernels_validate() {
         let wgsl = kernel.wgsl.unwrap();
         let entry = module.entry_points.iter().find(|entry| entry.name == wgsl.entry).expect("the entry point");
         assert_eq!(entry.workgroup_size, [wgsl.workgroup_size, 1, 1]);
+    }
+}
+
+/// What no kernel uses yet stands on the keys alone.
+#[test]
+fn building_blocks_validate() {
+    let keys = [hc::HASH, hc::JITTER, hc::PACK, hc::LEVEL, hc::RECORD, WGSL_KEY];
+    for block in [WGSL_POINTS, WGSL_LOBE] {
+        let source = keys.concat() + block;
+        let module =
+            naga::front::wgsl::parse_str(&source).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&source)));
+        if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
+            panic!("{}", error.emit_to_string(&source));
+        }
     }
 }
 

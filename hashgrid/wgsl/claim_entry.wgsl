@@ -1,7 +1,7 @@
 @compute @workgroup_size(64)
 fn hg_claim_main(@builtin(global_invocation_id) gid: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
     let item = hc_item(gid, groups);
-    if item >= hc_launch.count || (hg_vertices[item].flags & HC_VALID) == 0u {
+    if item >= hc_launch.count || (hg_vertices[item].flags & (HC_VALID | HC_VISIBLE_ONLY)) != HC_VALID {
         return;
     }
     let key = hg_key(hg_params, hg_vertices[item], HG_SALT_DEPOSIT);

@@ -40,7 +40,7 @@ fn hg_deposit_main(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let item = hc_item(gid, groups);
-    if item < hc_launch.count && (hg_vertices[item].flags & HC_VALID) != 0u {
+    if item < hc_launch.count && (hg_vertices[item].flags & (HC_VALID | HC_VISIBLE_ONLY)) == HC_VALID {
         hg_deposit_vertex(hg_vertices[item]);
     }
     hg_add_counters(lane);

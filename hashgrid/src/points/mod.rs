@@ -88,7 +88,7 @@ pub fn chosen(params: &Params, place: &[f32; 4]) -> Option<Key> {
 }
 
 fn chosen_by(params: &Params, vertex: &VertexRecord) -> Option<Key> {
-    if vertex.is_valid() { chosen(params, &vertex.position_footprint) } else { None }
+    if vertex.is_recordable() { chosen(params, &vertex.position_footprint) } else { None }
 }
 
 /// Claims a cell for the point that each vertex gives its light to. True when some point was refused. Any number of
@@ -113,7 +113,7 @@ pub fn deposit_vertices<L: Layout>(
     vertices: &[VertexRecord],
     counters: &mut Counters,
 ) {
-    for vertex in vertices.iter().filter(|vertex| vertex.is_valid()) {
+    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
         deposit_key(table, params, chosen_by(params, vertex).as_ref(), vertex, counters);
     }
 }

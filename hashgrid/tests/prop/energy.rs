@@ -129,3 +129,24 @@ fn fallbacks_return_the_vertex_itself() {
     assert_eq!(table.cells().count(), 0);
     assert_eq!((table.head(0) >> 32) as u32, EMPTY);
 }
+
+/// What only asks is answered and never feeds the table.
+#[test]
+fn vertices_that_only_ask_leave_no_trace() {
+    let params = params(still());
+    let words = storage(64, &params);
+    let table = Table::new(&words, &params).unwrap();
+    let mut fed = vertex([0.0; 3], Vec3::Z);
+    fed.further = [0.5; 4];
+    let asks = VertexRecord { flags: VertexRecord::VALID | VertexRecord::VISIBLE_ONLY, further: [0.0; 4], ..fed };
+    let mut counters = Counters::default();
+    claim_vertices(&table, &params, &[asks]);
+    assert_eq!(table.cells().count(), 0);
+    claim_vertices(&table, &params, &[fed, asks]);
+    deposit_vertices(&table, &params, &[fed, asks, asks], &mut counters);
+    assert_eq!(counters.deposits, 1);
+    estimate_vertices(&table, &params, &[asks], &mut counters, |_, estimate| {
+        assert_eq!((estimate.further.x, estimate.samples), (0.5, 1));
+    });
+    assert_eq!((counters.lookups, counters.hits), (1, 1));
+}

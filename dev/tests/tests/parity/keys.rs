@@ -6,8 +6,10 @@ use hashcache_core::wgsl::{HASH, JITTER, LEVEL, PACK, RECORD};
 use hashcache_dev_tests::gpu;
 use hashcache_dev_tests::harness::{Item, call, expect, inputs};
 use hashgrid::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
-use hashgrid::kernels::WGSL_KEY;
+use hashgrid::kernels::{WGSL_KEY, WGSL_LOBE};
 use hashgrid::key::{coarser, coarser_offset, finer, fingerprint, home, key};
+use hashgrid::lobe::{Lobe, LobeSettings};
+use hashgrid::similar::place_home;
 use hashgrid::{Key, Params, Settings};
 
 /// The vertex of an item's words.
@@ -120,4 +122,33 @@ fn levels_of_keys_are_equal() {
     let body = format!("{key} let other = hg_finer(key, word(5u)); {put}");
     let found = call(&mut backend, "finer", &modules, &body, &items);
     assert!(found == expect(&items, |item| words(&of(item), finer(&of(item), item[5]))));
+}
+
+/// What layers and directions add, and the home that all normals of a place share.
+#[test]
+fn lobes_are_equal_for_any_direction() {
+    let Some(mut backend) = gpu::backend() else { return };
+    let items = inputs();
+    let params = Params::new(&Settings { seed: 77, ..Settings::default() }).expect("valid settings");
+    for (name, layer, direction_bins, jitter) in [("lobe 3", 3, 15, 1.0), ("lobe 1", 1, 1, 0.5), ("lobe 0", 0, 0, 0.0)]
+    {
+        let lobe = Lobe::new(&LobeSettings { layer, direction_bins, jitter }).expect("valid settings");
+        let direction_jitter = (jitter * 32_768.0 / direction_bins.max(1) as f32) as u32;
+        let body = format!(
+            "var v = HcVertexRecord();
+             v.direction = word(0u); v.seed = word(1u);
+             put(0u, hg_attributes(HgLobe({layer}u, {direction_bins}u, {direction_jitter}u), {}, v, word(2u)));
+             put(1u, hg_place_home(HgKey(vec3<i32>(word_i32(3u), word_i32(4u), word_i32(5u)), word(6u))));",
+            params_wgsl(&params)
+        );
+        let modules = [HASH, JITTER, PACK, LEVEL, RECORD, WGSL_KEY, WGSL_LOBE];
+        let found = call(&mut backend, name, &modules, &body, &items);
+        let expected = expect(&items, |item| {
+            let [direction, seed, salt, x, y, z, attributes, _] = *item;
+            let vertex = VertexRecord { direction, seed, ..bytemuck::Zeroable::zeroed() };
+            let key = Key { cell: [x, y, z].map(|v| v as i32), attributes };
+            [lobe.attributes(&params, &vertex, salt), place_home(&key)]
+        });
+        assert!(found == expected, "{name}");
+    }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use hashcache_core::counters::Counters;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::{exact, hash, level, octree, pack};
-use hashgrid::{jitter, params, points, table, tag};
+use hashgrid::{jitter, lobe, params, points, table, tag};
 
 use crate::{CRATES, wgsl_side};
 
@@ -44,6 +44,7 @@ fn twins() -> BTreeMap<&'static str, f64> {
         ("HG_FINGERPRINT_BITS", tag::FINGERPRINT_BITS),
         ("HG_DISTANCE_BITS", tag::DISTANCE_BITS),
         ("HG_POINT_BIN", points::POINT_BIN),
+        ("HG_SALT_DIRECTION", lobe::SALT_DIRECTION),
         ("HG_EMPTY", tag::EMPTY),
         ("HG_NEW", tag::NEW),
         ("HG_CLAIM_PLACED", table::Claim::Placed as u32),
