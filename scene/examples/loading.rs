@@ -12,6 +12,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
+use hashcache_core::float;
 use hashcache_core::hash::{pcg2d, to_unit_f32};
 use scene::{LoadOptions, Loaded, Progress};
 use serde_json::{Value, json};
@@ -21,10 +22,10 @@ const HERE: &str = "--here";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
-    if let [first, file] = arguments.as_slice() {
-        if first == HERE {
-            return measure(file);
-        }
+    if let [first, file] = arguments.as_slice()
+        && first == HERE
+    {
+        return measure(file);
     }
     let folder = tempfile::tempdir()?;
     if arguments.is_empty() {
@@ -113,7 +114,7 @@ fn make(folder: &Path) -> Result<String, Box<dyn Error>> {
         let points = (0..=rows).flat_map(|y| (0..=columns).map(move |x| [x as f32, y as f32]));
         let (mut position, mut uv) = (Vec::new(), Vec::new());
         for [x, y] in points {
-            position.push([x * 0.01, (x * 0.1).sin() * (y * 0.1).cos() + 4.0 * i as f32, y * 0.01]);
+            position.push([x * 0.01, float::sin(x * 0.1) * float::cos(y * 0.1) + 4.0 * i as f32, y * 0.01]);
             uv.push([x / columns as f32, y / rows as f32]);
         }
         let count = position.len();
@@ -147,7 +148,7 @@ fn make(folder: &Path) -> Result<String, Box<dyn Error>> {
 /// Something like a photograph: slow changes of colour, edges, and noise of a few steps.
 fn picture(seed: u32) -> image::RgbImage {
     image::RgbImage::from_fn(SIDE, SIDE, |x, y| {
-        let slow = |k: f32| (x as f32 * 0.004 * k + y as f32 * 0.003 + seed as f32).sin();
+        let slow = |k: f32| float::sin(x as f32 * 0.004 * k + y as f32 * 0.003 + seed as f32);
         let edge = if (x / 128 + y / 96) % 2 == 0 { 40.0 } else { 0.0 };
         let noise = to_unit_f32(pcg2d([x, y ^ (seed << 16)])[0]) * 10.0;
         image::Rgb([1.0, 1.7, 2.3].map(|k| (110.0 + 70.0 * slow(k) + edge + noise).clamp(0.0, 255.0) as u8))

@@ -181,11 +181,10 @@ fn shared() -> Vec<Subject> {
         let mut files = BTreeMap::new();
         read_all(&folder.path(), "", &mut files);
         let size: u64 = files.values().map(|f| f.len() as u64).sum();
-        for (name, text) in files.iter().filter(|(name, _)| name.ends_with(".gltf") && size < LARGEST) {
+        for (name, text) in files.iter().filter(|(name, _)| is_scene(name) && size < LARGEST) {
             println!("{name}: {size} bytes");
             let json = serde_json::from_slice(text).unwrap();
-            let files =
-                files.iter().filter(|(n, _)| !n.ends_with(".gltf")).map(|(n, f)| (n.clone(), f.clone())).collect();
+            let files = files.iter().filter(|(n, _)| !is_scene(n)).map(|(n, f)| (n.clone(), f.clone())).collect();
             subjects.push(Subject { json, files, bounds: Bounds { time: Duration::from_secs(20), bytes: 1 << 30 } });
         }
     }
@@ -193,6 +192,10 @@ fn shared() -> Vec<Subject> {
         println!("skipped: no shared scenes at {}; set HASHCACHE_SHARED", root.display());
     }
     subjects
+}
+
+fn is_scene(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|e| e == "gltf")
 }
 
 fn read_all(folder: &Path, prefix: &str, files: &mut BTreeMap<String, Vec<u8>>) {
@@ -286,9 +289,9 @@ fn damaged_files_are_answered() {
         let camera = draws.below(16) == 0;
         let attempt = catch_unwind(AssertUnwindSafe(|| {
             if camera {
-                try_camera(dir.path(), &mut draws)
+                try_camera(dir.path(), &mut draws);
             } else {
-                try_scene(dir.path(), &subjects[which], &mut draws)
+                try_scene(dir.path(), &subjects[which], &mut draws);
             }
         }));
         if attempt.is_err() {

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{Gltf, warned};
+use hashcache_core::float;
 use pt_integrator::scene::PunctualLight;
 use serde_json::{Value, json};
 
@@ -44,7 +45,7 @@ fn points_spots_and_suns() {
     assert_eq!(spot.position[3], PunctualLight::SPOT);
     assert_eq!((spot.intensity[..3].to_vec(), spot.range[0]), (vec![1.0; 3], 0.0));
     assert!((spot.direction[0] + 1.0).abs() < 1e-6 && spot.direction[1..3].iter().all(|x| x.abs() < 1e-6));
-    assert!((spot.direction[3] - 0.25_f32.cos()).abs() < 1e-6 && (spot.intensity[3] - 0.5_f32.cos()).abs() < 1e-6);
+    assert!((spot.direction[3] - float::cos(0.25)).abs() < 1e-6 && (spot.intensity[3] - float::cos(0.5)).abs() < 1e-6);
     let (sun, _) = load(json!({"type": "directional", "intensity": 1000, "range": 5}));
     assert_eq!((sun.position[3], sun.intensity[0], sun.range[0]), (PunctualLight::DIRECTIONAL, 1000.0, 0.0));
     assert!((sun.direction[0] + 1.0).abs() < 1e-6);

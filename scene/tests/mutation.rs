@@ -89,7 +89,7 @@ fn bomb(repeats: usize) -> Vec<u8> {
     let mut huffman = |code: u16, length: u16| bits.extend((0..length).rev().map(|i| (code >> i & 1) as u8));
     // Literal 0; the last byte once more, 258 times; the end.
     huffman(0b0011_0000, 8);
-    (0..repeats).for_each(|_| huffman(0b1100_0101_00000, 13));
+    (0..repeats).for_each(|_| huffman(0b1_1000_1010_0000, 13));
     huffman(0, 7);
     let bytes = bits.chunks(8).map(|c| c.iter().rev().fold(0, |byte, bit| byte << 1 | bit));
     let sum: [u8; 4] = ((((258 * repeats + 1) % 65_521) as u32) << 16 | 1).to_be_bytes();
@@ -102,7 +102,7 @@ fn bombs_beside_the_pixels_are_not_unpacked() {
     let image = common::png(1, 1, &[1, 2, 3, 255]);
     let header = 8 + 12 + 13;
     let packed = bomb((256 << 20) / 258);
-    for (kind, head) in [(b"iCCP", &b"profile\0\0"[..]), (b"zTXt", b"Comment\0\0")] {
+    for (kind, head) in [(*b"iCCP", &b"profile\0\0"[..]), (*b"zTXt", b"Comment\0\0")] {
         let mut bytes = image[..header].to_vec();
         common::png_chunk(&mut bytes, kind, &[head, &packed].concat());
         bytes.extend(&image[header..]);

@@ -1,5 +1,4 @@
 //! Images, and how textures read them.
-#![expect(clippy::needless_pass_by_value, reason = "`json!` gives values")]
 
 mod common;
 
@@ -236,8 +235,8 @@ fn interlaced_and_palette_images_load() {
     zlib.extend(raw);
     let (a, b) = raw.iter().fold((1_u32, 0_u32), |(a, b), &x| (a + u32::from(x), a + u32::from(x) + b));
     zlib.extend((b << 16 | a).to_be_bytes());
-    common::png_chunk(&mut bytes, b"IDAT", &zlib);
-    common::png_chunk(&mut bytes, b"IEND", &[]);
+    common::png_chunk(&mut bytes, *b"IDAT", &zlib);
+    common::png_chunk(&mut bytes, *b"IEND", &[]);
     let view = file.view(&bytes);
     file.json["images"][0]["bufferView"] = json!(view);
     let gray = |l: u32| 0xff00_0000 | l << 16 | l << 8 | l;

@@ -1,6 +1,7 @@
 //! One material: glTF's fields as the integrator's.
 
 use gltf::json;
+use hashcache_core::float;
 use json::material::AlphaMode;
 use json::validation::Checked;
 use pt_integrator::scene::{Material, NONE, Texture};
@@ -172,7 +173,7 @@ impl<'c> Converter<'c> {
         }
         for (to, color) in material.interior.iter_mut().zip(volume.attenuation_color.0) {
             let color = self.unit(color, &format!("{PLACE}/attenuationColor"))?.max(DARKEST);
-            *to = ((-f64::from(color).ln() / f64::from(distance)) as f32).min(f32::MAX);
+            *to = (-float::ln(color) / distance).clamp(0.0, f32::MAX);
         }
         Ok(())
     }
@@ -223,7 +224,7 @@ impl<'c> Converter<'c> {
             let place = format!("{}/emissiveFactor", self.place);
             return Err(self.document.at().malformed(place, format!("gives the radiance {radiance:?}")));
         }
-        if radiance != [0.0; 3] {
+        if radiance.iter().any(|&c| c > 0.0) {
             material.emission[..3].copy_from_slice(&radiance);
             let texture = self.texture(source.emissive_texture.as_ref(), Encoding::Srgb, "/emissiveTexture")?;
             material.textures[Material::EMISSION] = texture;

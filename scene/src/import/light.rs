@@ -4,6 +4,7 @@ use std::f32::consts::FRAC_PI_2;
 
 use glam::{DAffine3, DVec3, Vec3};
 use gltf::json;
+use hashcache_core::float;
 use json::extensions::scene::khr_lights_punctual::{Light, Type};
 use json::validation::Checked;
 use pt_integrator::scene::PunctualLight;
@@ -36,7 +37,7 @@ pub(crate) fn punctual(
     if !intensity.iter().all(|&c| c.is_finite() && c >= 0.0) {
         return Err(at.malformed(place("/intensity"), format!("gives the intensity {intensity:?}")));
     }
-    if intensity == [0.0; 3] {
+    if !intensity.iter().any(|&c| c > 0.0) {
         return Ok(None);
     }
     let Checked::Valid(kind) = light.type_ else { return Err(at.malformed(place("/type"), "is not known")) };
@@ -63,7 +64,7 @@ pub(crate) fn punctual(
                 let what = "cone angles of spot lights are clamped to 0 <= inner <= outer <= 90 degrees";
                 warnings.add(what, || place("/spot"));
             }
-            let cosines = [narrow, wide].map(|angle| f64::from(angle).cos() as f32);
+            let cosines = [narrow, wide].map(float::cos);
             PunctualLight::spot(position, direction()?, intensity, cosines)
         }
     };

@@ -1,6 +1,7 @@
 //! Textures as materials name them.
 
 use gltf::json;
+use hashcache_core::float;
 use json::extensions::texture::TextureTransform;
 use pt_integrator::scene::Texture;
 
@@ -63,8 +64,7 @@ impl Reference {
     fn moved(mut self, at: At, transform: Option<&TextureTransform>, place: &str) -> Result<Self, SceneError> {
         let Some(transform) = transform else { return Ok(self) };
         let ([x, y], [width, height]) = (transform.offset.0, transform.scale.0);
-        let (sin, cos) = f64::from(transform.rotation.0).sin_cos();
-        let (sin, cos) = (sin as f32, cos as f32);
+        let (sin, cos) = float::sin_cos(transform.rotation.0);
         self.rows = [[cos * width, sin * height, x, 0.0], [-sin * width, cos * height, y, 0.0]];
         self.set = transform.tex_coord.unwrap_or(self.set);
         if self.rows.as_flattened().iter().all(|x| x.is_finite()) {

@@ -40,6 +40,7 @@ fn open(bytes: &[u8]) -> Result<(Decoder<&[u8]>, jpeg_decoder::ImageInfo), Strin
     }
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it away")]
 fn broken(error: Error) -> String {
     error.to_string()
 }

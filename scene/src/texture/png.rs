@@ -73,7 +73,7 @@ fn convert(layout: (ColorType, BitDepth), samples: &[u8], out: &mut [u32]) -> Re
             fill(out, samples.chunks_exact(2), |c| word([c[0], c[0], c[0], c[1]]));
         }
         (ColorType::Rgba, BitDepth::Sixteen) => {
-            fill(out, samples.chunks_exact(8), |c| word([high(c), high(&c[2..]), high(&c[4..]), high(&c[6..])]))
+            fill(out, samples.chunks_exact(8), |c| word([high(c), high(&c[2..]), high(&c[4..]), high(&c[6..])]));
         }
         (ColorType::GrayscaleAlpha, BitDepth::Sixteen) => {
             fill(out, samples.chunks_exact(4), |c| word([high(c), high(c), high(c), high(&c[2..])]));

@@ -164,7 +164,7 @@ pub fn crc32(bytes: &[u8]) -> u32 {
 }
 
 /// Appends a chunk to a PNG file.
-pub fn png_chunk(out: &mut Vec<u8>, kind: &[u8; 4], data: &[u8]) {
+pub fn png_chunk(out: &mut Vec<u8>, kind: [u8; 4], data: &[u8]) {
     out.extend((data.len() as u32).to_be_bytes());
     let start = out.len();
     out.extend(kind);
