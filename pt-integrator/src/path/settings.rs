@@ -32,7 +32,8 @@ impl Default for PathSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VertexSettings {
     /// Limits as for whole paths. `max_bounces` counts from each kept vertex on, its own scattering included, so that
-    /// all hold the same: with s vertices kept a path scatters up to s − 1 times more often. 0: no vertex.
+    /// all hold the same: with s vertices kept a path scatters up to s − 1 times more often, and up to `max_bounces` − 1
+    /// times by mirrors and glass before the first. 0: no vertex.
     pub path: PathSettings,
     /// Further scatterings at most through which light comes to a kept vertex; no more than `max_bounces − 1`
     /// in any case.

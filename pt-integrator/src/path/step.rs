@@ -7,7 +7,7 @@ use hashcache_core::traits::{RayCaster, Sampler};
 use super::RayCounts;
 use super::medium::Medium;
 use super::scatters::Scatters;
-use crate::bsdf::Lobe;
+use crate::bsdf::{BsdfSample, Lobe};
 use crate::light::{LightSample, may_meet_emitter, sample_light};
 use crate::ray::{offset_origin, ray_towards, segment};
 use crate::sampling::power_heuristic;
@@ -70,9 +70,15 @@ impl<'b, const NEEDS: u32, C: RayCaster> Tracer<'_, 'b, NEEDS, C> {
             return Arrival::seen(self.scene.outside::<NEEDS>(ray.direction).radiance);
         };
         let surface = Surface::at::<NEEDS>(self.scene, &hit, ray.direction);
-        let emitted = surface.emission::<NEEDS>(self.scene);
-        let next = Next { surface, distance: hit.t, medium: Medium::NONE };
-        Arrival { emitted, weight: Vec3::ONE, eta: 1.0, next: Some(next) }
+        let mut emitted = surface.emission::<NEEDS>(self.scene);
+        let (mut medium, mut weight) = (Medium::NONE, Vec3::ONE);
+        if NEEDS & Needs::TRANSMISSION != 0 {
+            medium = medium.before(&surface);
+            weight = medium.passed(hit.t);
+            emitted *= weight;
+        }
+        let next = Next { surface, distance: hit.t, medium };
+        Arrival { emitted, weight, eta: 1.0, next: Some(next) }
     }
 
     /// What one sampled emitter brings through a lobe.
@@ -181,6 +187,6 @@ pub(super) fn next_event_weight<const NEEDS: u32>(light: &LightSample, shared: f
 
 /// The share of scattering in light that it met.
 #[inline]
-fn scattering_weight<M: Scatters>(scattered: &crate::bsdf::BsdfSample, next_event: f32) -> f32 {
+fn scattering_weight<M: Scatters>(scattered: &BsdfSample, next_event: f32) -> f32 {
     if M::MIXED && scattered.is_delta { 1.0 } else { power_heuristic(scattered.pdf, next_event) }
 }

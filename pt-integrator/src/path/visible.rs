@@ -163,10 +163,6 @@ impl Chains for Bsdf {
         let (mut distance, mut eta) = (next.distance, 1.0);
         let (mut layer, mut depth) = (0, 0);
         loop {
-            if depth > 0 && depth >= chain.settings.max_bounces {
-                // All that this vertex shows is emission, and that is counted.
-                return;
-            }
             let material = Self::at::<NEEDS>(chain.tracer.scene, &next.surface);
             let place = Place { next: &next, material: &material, distance, depth };
             let is_last = layer + 1 == chain.layers.len();

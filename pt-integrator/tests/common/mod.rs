@@ -4,4 +4,5 @@
 
 pub mod caster;
 pub mod chi2;
+pub mod mixed;
 pub mod scenes;
