@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::args::Compare;
 use crate::failure::Failure;
 use crate::figures::{self, Figures};
+use crate::heat_map::HeatMap;
 
 /// What is printed. Its JSON keys are stable; more may stand beside them.
 #[derive(Serialize)]
@@ -28,9 +29,17 @@ struct Report {
 
 /// What the command prints.
 pub fn run(args: &Compare) -> Result<String, Failure> {
+    let heat_map = args.heat_map.as_deref();
+    let heat_map = heat_map.map(|path| HeatMap::check(path, args.heat_map_of, [&args.image, &args.reference]));
+    let heat_map = heat_map.transpose()?;
     let (image, reference) = (image_file::read(&args.image)?, image_file::read(&args.reference)?);
-    let report = Report::new(args, view(&args.image, &image)?, view(&args.reference, &reference)?)
-        .map_err(|error| Failure::other(format!("{}: {error}", args.image.display())))?;
+    let (image, reference) = (view(&args.image, &image)?, view(&args.reference, &reference)?);
+    let failed = |error: Error| Failure::other(format!("{}: {error}", args.image.display()));
+    let report = Report::new(args, image, reference).map_err(failed)?;
+    if let Some(heat_map) = heat_map {
+        let picture = heat_map.draw(image, reference).map_err(failed)?;
+        heat_map.write(&picture)?;
+    }
     if args.json {
         serde_json::to_string(&report).map(|line| line + "\n").map_err(|error| Failure::other(error.to_string()))
     } else {

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use hashcache::Image;
+use hashcache::{Image, ToneMapping};
 
 use crate::failure::Failure;
 use crate::interrupt::uninterrupted;
@@ -55,8 +55,8 @@ impl Folder {
     }
 
     /// Writes a picture into it, whole or not at all.
-    pub fn write_image(&self, name: &str, image: &Image) -> Result<(), Failure> {
-        uninterrupted(|| self.put(name, |place| place.stage_image(image)))
+    pub fn write_image(&self, name: &str, image: &Image, tone: &ToneMapping) -> Result<(), Failure> {
+        uninterrupted(|| self.put(name, |place| place.stage_image(image, tone)))
     }
 
     /// Writes a file into it, whole or not at all.

@@ -1,10 +1,12 @@
 //! `hashcache info` and `hashcache plan`: what is known before rendering.
 
-use hashcache::Preview;
 use hashcache::scene::{self, LoadOptions, Loaded};
+use hashcache::{Preview, Stats};
 
 use crate::args::{Info, Plan};
 use crate::failure::Failure;
+use crate::interrupt::uninterrupted;
+use crate::place::{Place, Staged};
 
 /// What a scene holds; all built-in scenes for `builtin:`.
 pub fn scene(args: &Info) -> Result<String, Failure> {
@@ -17,12 +19,26 @@ pub fn scene(args: &Info) -> Result<String, Failure> {
     Ok(lines(rows(&loaded).into_iter().map(|(name, value)| format!("{name:<12}{value}").trim_end().to_owned())))
 }
 
-/// The stages for a scene under the settings given.
+/// The stages for a scene under the settings given, what it needs, and what is left out.
 pub fn plan(args: &Plan) -> Result<String, Failure> {
-    let preview = Preview::open(&args.scene, &args.settings.settings()?)?;
+    let settings = args.settings.settings()?;
+    let place = uninterrupted(|| args.stats.as_deref().map(Place::check).transpose())?;
+    let preview = Preview::open(&args.scene, &settings)?;
+    let plan = if args.measure {
+        let mut backend = preview.backend()?;
+        preview.measured_plan(&mut backend)?
+    } else {
+        preview.plan().clone()
+    };
+    if let Some(place) = place {
+        let stats = Stats { saved: plan.saved.clone(), ..preview.outlook() };
+        let mut text = serde_json::to_vec_pretty(&stats).map_err(|error| Failure::other(error.to_string()))?;
+        text.push(b'\n');
+        uninterrupted(|| place.stage_bytes(&text).and_then(Staged::commit))?;
+    }
     let (width, height) = preview.size();
     let head = format!("{}: {width}x{height}, ", args.scene.escape_debug());
-    Ok(head + &preview.plan().to_string())
+    Ok(head + &plan.to_string())
 }
 
 fn lines(all: impl Iterator<Item = String>) -> String {
@@ -40,7 +56,7 @@ fn rows(loaded: &Loaded) -> Vec<(&'static str, String)> {
         ("triangles", format!("{} ({} stored, {} degenerate)", info.triangles, info.stored_triangles, info.degenerate)),
         ("meshes", format!("{} in {} instances", info.meshes, info.instances)),
         ("extent", format!("{} m, {} to {}", sides.join(" x "), corner(low), corner(high))),
-        ("materials", info.materials.to_string()),
+        ("materials", materials(info)),
         ("textures", format!("{} of {} images", info.textures, info.images)),
         ("lights", lights(loaded)),
     ];
@@ -67,12 +83,33 @@ fn list(rows: &mut Vec<(&'static str, String)>, name: &'static str, values: impl
 }
 
 fn lights(loaded: &Loaded) -> String {
-    let needs = hashcache::needs(&loaded.data);
-    let punctual = match loaded.info.punctual_lights {
-        0 => String::new(),
-        count => format!(", {count} punctual lights that are ignored"),
-    };
-    format!("{} emissive triangles, environment: {}{punctual}", needs.emissive_triangles, needs.environment)
+    let [points, spots, directions] = loaded.info.punctual_lights;
+    let punctual = some(&[(points, "points"), (spots, "spots"), (directions, "directions")]);
+    let punctual = if punctual.is_empty() { String::new() } else { format!(", without extent: {punctual}") };
+    let (triangles, environment) = (loaded.info.emissive_triangles, hashcache::environment(&loaded.data));
+    format!("{triangles} emissive triangles, environment: {environment}{punctual}")
+}
+
+/// Those that there are, with their numbers.
+fn some(counts: &[(usize, &str)]) -> String {
+    let some = counts.iter().filter(|c| c.0 > 0).map(|(count, name)| format!("{count} {name}"));
+    some.collect::<Vec<_>>().join(", ")
+}
+
+fn materials(info: &scene::Info) -> String {
+    let of = &info.surfaces;
+    let lobes = some(&[
+        (of.diffuse, "diffuse"),
+        (of.reflection, "reflecting"),
+        (of.transmission, "transmitting"),
+        (of.coat, "coated"),
+        (of.solid, "solid inside"),
+        (of.emission, "emitting"),
+        (of.normal_map, "with normal maps"),
+        (of.mask, "with holes"),
+        (of.unlit, "unlit"),
+    ]);
+    format!("{}: {lobes}", info.materials)
 }
 
 /// Enough digits to tell a millimetre in a room, and no row of zeros for a planet.

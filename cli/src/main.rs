@@ -9,6 +9,7 @@ mod failure;
 mod figures;
 mod fly;
 mod folder;
+mod heat_map;
 mod info;
 mod interrupt;
 mod outputs;

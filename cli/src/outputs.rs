@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use hashcache::image_file::{self, Image};
+use hashcache::ToneMapping;
+use hashcache::image_file::{self, Format, Image};
 
 use crate::failure::Failure;
 use crate::folder::Folder;
@@ -14,21 +15,30 @@ pub struct Outputs {
     images: Vec<Place>,
     stats: Option<Place>,
     aovs: Option<Folder>,
+    tone: ToneMapping,
 }
 
 impl Outputs {
     /// Checks formats and folders. Without any output named the image is `SCENE.png` in the current folder, which must not
     /// be there yet: nobody asked to replace it.
-    pub fn check(scene: &str, images: &[PathBuf], stats: Option<&Path>, aovs: Option<&Path>) -> Result<Self, Failure> {
-        for path in images {
-            image_file::format_of(path)?;
-        }
+    pub fn check(
+        scene: &str,
+        images: &[PathBuf],
+        stats: Option<&Path>,
+        aovs: Option<&Path>,
+        tone: ToneMapping,
+    ) -> Result<Self, Failure> {
+        let formats = images.iter().map(|path| image_file::format_of(path)).collect::<Result<Vec<_>, _>>()?;
         let unnamed = images.is_empty() && stats.is_none() && aovs.is_none();
+        if !unnamed && !formats.contains(&Format::Png) {
+            let named = images.first().map_or("an output without a picture".into(), |path| path.display().to_string());
+            refuse_tone(&tone, &named, "write a .png")?;
+        }
         let default = if unnamed { Some(default_name(scene)?) } else { None };
         let aovs = aovs.map(Folder::check).transpose()?;
         let outputs = uninterrupted(|| -> Result<_, Failure> {
             let images = images.iter().chain(&default).map(|path| Place::check(path)).collect::<Result<Vec<_>, _>>()?;
-            Ok(Self { images, stats: stats.map(Place::check).transpose()?, aovs })
+            Ok(Self { images, stats: stats.map(Place::check).transpose()?, aovs, tone })
         })?;
         let places: Vec<_> = outputs.places().collect();
         for (i, place) in places.iter().enumerate() {
@@ -62,14 +72,14 @@ impl Outputs {
     fn stage(&self, image: &Image, stats: &[u8], aovs: &[(&str, Image)]) -> Result<Vec<Staged>, Failure> {
         let mut staged = Vec::new();
         for place in &self.images {
-            staged.push(place.clone().stage_image(image)?);
+            staged.push(place.clone().stage_image(image, &self.tone)?);
         }
         if let Some(place) = &self.stats {
             staged.push(place.clone().stage_bytes(stats)?);
         }
         if let Some(folder) = &self.aovs {
             for (name, image) in aovs {
-                staged.push(Place::check(&folder.path().join(format!("{name}.exr")))?.stage_image(image)?);
+                staged.push(Place::check(&folder.path().join(format!("{name}.exr")))?.stage_image(image, &self.tone)?);
             }
         }
         Ok(staged)
@@ -86,10 +96,23 @@ impl Outputs {
     }
 }
 
-/// `cornell.png` for `builtin:cornell` and for `scenes/cornell.gltf`.
+/// Refuses exposure and curve where `output` holds radiance as it is.
+pub fn refuse_tone(tone: &ToneMapping, output: &str, instead: &str) -> Result<(), Failure> {
+    if *tone == ToneMapping::default() {
+        return Ok(());
+    }
+    let key = if tone.curve == ToneMapping::default().curve { "image.exposure" } else { "image.tonemap" };
+    Err(Failure::usage(format!("{key} does not go with {output}: it is for what a screen shows; {instead}")))
+}
+
+/// `cornell.png` for `builtin:cornell` and for `scenes/cornell.gltf`; `thin-wall-0.1.png` for `builtin:thin-wall:0.1`,
+/// since not every system takes a colon in a name.
 fn default_name(scene: &str) -> Result<PathBuf, Failure> {
     let name = scene.strip_prefix("builtin:").map(Path::new).or_else(|| Path::new(scene).file_stem().map(Path::new));
     let mut name = name.and_then(Path::file_name).unwrap_or("image".as_ref()).to_owned();
+    if let (true, Some(text)) = (scene.starts_with("builtin:"), name.to_str()) {
+        name = text.replace(':', "-").into();
+    }
     name.push(".png");
     let path = PathBuf::from(name);
     if path.symlink_metadata().is_ok() {

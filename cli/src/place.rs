@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::{fmt, fs};
 
+use hashcache::ToneMapping;
 use hashcache::image_file::{self, Image, ImageError};
 use tempfile::TempDir;
 
@@ -58,9 +59,9 @@ impl Place {
     }
 
     /// Writes a picture beside the place, in the format of the name's ending.
-    pub fn stage_image(self, image: &Image) -> Result<Staged, Failure> {
+    pub fn stage_image(self, image: &Image, tone: &ToneMapping) -> Result<Staged, Failure> {
         let (folder, file) = self.stage()?;
-        image_file::write(&file, image).map_err(|error| match error {
+        image_file::write_toned(&file, image, tone).map_err(|error| match error {
             ImageError::Write { reason, .. } => self.failure(&reason),
             error => error.into(),
         })?;

@@ -1,7 +1,10 @@
 //! `hashcache render`: one image.
 
-use hashcache::Preview;
+use std::sync::{Mutex, PoisonError};
+
 use hashcache::choice::{CacheKind, FilterKind};
+use hashcache::scene::View;
+use hashcache::{Preview, Settings};
 
 use crate::args::Render;
 use crate::failure::Failure;
@@ -16,9 +19,15 @@ pub fn run(args: &Render) -> Result<(), Failure> {
             "--aov does not go with cache=none and filter=none, which keep nothing but radiance; use a cache or a filter",
         ));
     }
-    let outputs = Outputs::check(&args.scene, &args.outputs, args.stats.as_deref(), args.aov.as_deref())?;
-    let preview = lit(Preview::open(&args.scene, &settings)?, &args.scene)?;
+    let outputs = Outputs::check(
+        &args.scene,
+        &args.outputs,
+        args.stats.as_deref(),
+        args.aov.as_deref(),
+        settings.tone_mapping(),
+    )?;
     let mut display = Display::new(args.quiet);
+    let preview = open(&mut display, &args.scene, &settings, None)?;
     for warning in preview.warnings() {
         display.line(&format!("warning: {warning}"));
     }
@@ -40,8 +49,23 @@ pub fn run(args: &Render) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Loads a scene, showing how far that is, and checks that something lights it; from a camera of the caller's if there
+/// is one.
+pub fn open(display: &mut Display, scene: &str, settings: &Settings, view: Option<&View>) -> Result<Preview, Failure> {
+    let shown = Mutex::new(&mut *display);
+    let opened = Preview::open_with_progress(scene, settings, view, &|progress| {
+        let mut display = shown.lock().unwrap_or_else(PoisonError::into_inner);
+        display.report(progress.what, progress.done, progress.total);
+    });
+    let lit = opened.map_err(Failure::from).and_then(|preview| lit(preview, scene));
+    if lit.is_err() {
+        display.finish();
+    }
+    lit
+}
+
 /// A scene that something lights.
-pub fn lit(preview: Preview, scene: &str) -> Result<Preview, Failure> {
+fn lit(preview: Preview, scene: &str) -> Result<Preview, Failure> {
     if preview.needs().has_light() {
         return Ok(preview);
     }

@@ -46,7 +46,7 @@
 //! | [`record::VertexRecord`] | 96 |
 //! | `stages::EstimateRecord` | 32 |
 //! | [`counters::Counters`] | 144 |
-//! | [`geometry::Instance`] | 64 |
+//! | [`geometry::Instance`], [`geometry::OpacityMask`] | 64 |
 //! | an exact sum | 8 |
 //!
 //! A batch of vertices of a 1920×1080 frame: 2,073,600 × 96 = 199 MB of records, 66 MB of estimates; hence batches.

@@ -24,7 +24,7 @@
 //!   independent runs with a reference of known variance, block by block, and its false alarms have a known probability.
 //!
 //! # Memory
-//! Two images in, numbers out. Meanwhile [`rel_mse_trimmed`] holds 8 bytes a pixel, [`ms_ssim`] 20 bytes a pixel and
+//! Two images in, numbers out. Meanwhile [`rel_mse_trimmed`] and [`rel_mse_map`] hold 8 bytes a pixel, [`ms_ssim`] 20 bytes a pixel and
 //! 440 bytes a column, [`flip`] 4 bytes a pixel and 2.6 kB a column, [`block_test`] 288 bytes a block of 256 pixels:
 //! for 1024×576 4.5, 11.7, 4.8 and 0.6 MiB.
 //!
@@ -57,7 +57,7 @@ pub use energy::{EnergyRatio, energy_ratio};
 pub use error::Error;
 pub use flip::{FLIP_PIXELS_PER_DEGREE, flip, flip_map};
 pub use image::ImageView;
-pub use relative::{REL_MSE_EPSILON, WORST_SHARE, rel_mse, rel_mse_trimmed};
+pub use relative::{REL_MSE_EPSILON, WORST_SHARE, rel_mse, rel_mse_map, rel_mse_trimmed};
 pub use srgb::srgb_encode;
 pub use ssim::{MS_SSIM_MIN_SIDE, ms_ssim};
 pub use temporal::flicker;

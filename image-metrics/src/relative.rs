@@ -42,6 +42,29 @@ pub fn rel_mse(image: ImageView, reference: ImageView) -> Result<f64, Error> {
     Ok(sum / (3 * image.pixels().len()) as f64)
 }
 
+/// relMSE for each pixel, row by row from the upper left: the mean over its channels.
+///
+/// # Errors
+/// [`Error::SizesDiffer`].
+///
+/// # Units
+/// None: a ratio, 0 for equal pixels. Its root is a relative error: 1 is as wrong as the reference is bright.
+///
+/// ```
+/// # use image_metrics::{ImageView, rel_mse_map};
+/// let (image, reference) = ([[3.0; 3], [1.0; 3]], [[1.0; 3]; 2]);
+/// let map = rel_mse_map(ImageView::new(2, 1, &image)?, ImageView::new(2, 1, &reference)?)?;
+/// assert_eq!(map, [4.0 / 1.01, 0.0]);
+/// # Ok::<(), image_metrics::Error>(())
+/// ```
+pub fn rel_mse_map(image: ImageView, reference: ImageView) -> Result<Vec<f64>, Error> {
+    image.same_size(&reference)?;
+    let pixel_error = |(i, r): (&[f32; 3], &[f32; 3])| {
+        i.iter().zip(r).map(|(&i, &r)| relative_square(i.into(), r.into())).sum::<f64>() / 3.0
+    };
+    Ok(image.pixels().iter().zip(reference.pixels()).map(pixel_error).collect())
+}
+
 /// relMSE without the worst 0.1 % of pixels ([`WORST_SHARE`]).
 ///
 /// A pixel's error is the mean over its channels. Of n pixels the ⌊n·(1 − 0.001)⌋ with the smallest errors are averaged,
@@ -63,11 +86,7 @@ pub fn rel_mse(image: ImageView, reference: ImageView) -> Result<f64, Error> {
 /// # Ok::<(), image_metrics::Error>(())
 /// ```
 pub fn rel_mse_trimmed(image: ImageView, reference: ImageView) -> Result<f64, Error> {
-    image.same_size(&reference)?;
-    let pixel_error = |(i, r): (&[f32; 3], &[f32; 3])| {
-        i.iter().zip(r).map(|(&i, &r)| relative_square(i.into(), r.into())).sum::<f64>() / 3.0
-    };
-    let mut errors: Vec<f64> = image.pixels().iter().zip(reference.pixels()).map(pixel_error).collect();
+    let mut errors = rel_mse_map(image, reference)?;
     errors.sort_unstable_by(f64::total_cmp);
     let kept = ((errors.len() as f64 * (1.0 - WORST_SHARE)) as usize).max(1);
     Ok(errors[..kept].iter().sum::<f64>() / kept as f64)

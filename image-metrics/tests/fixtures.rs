@@ -18,6 +18,7 @@
 //! m, mean, _ = flip_evaluator.evaluate(srgb(clip(R)), srgb(clip(I)), "LDR", applyMagma=False)
 //! mean = m.mean(dtype=np.float64)
 //! ```
+//! (On seven rendered scenes, each with strong and with weak noise added, the means differ by at most 3e-8.)
 //! MS-SSIM: `scipy.ndimage.correlate1d` with the 11-tap Gaussian, σ = 1.5, valid pixels, 2×2 means between scales.
 
 #![expect(clippy::float_cmp, reason = "equal sums have equal bits")]

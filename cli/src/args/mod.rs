@@ -122,11 +122,24 @@ of relMSE e that is new in each frame flickers by 2e; what is wrong in the same 
 Where camera and lights rest, R1 = R0 is known without references, and I0 takes R1's place below the line.
 Else the column is empty, as are those of a frame without reference.";
 
+/// What a heat map shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HeatMetric {
+    Flip,
+    Relative,
+}
+
 /// `hashcache plan`
 #[derive(Args)]
 pub struct Plan {
     /// A .gltf or .glb file, or builtin:NAME (`hashcache info builtin:` lists them)
     pub scene: String,
+    /// Measure what leaving out what the scene does not need saves a sample: some seconds of tracing with and without each
+    #[arg(long)]
+    pub measure: bool,
+    /// Write needs, plan, savings and settings here as JSON, by the keys of render's --stats
+    #[arg(long, value_name = "FILE.json")]
+    pub stats: Option<PathBuf>,
     #[command(flatten)]
     pub settings: SettingsArgs,
 }
@@ -202,4 +215,10 @@ pub struct Compare {
     /// Print one JSON object; numbers that do not exist (PSNR of equal images) are null
     #[arg(long)]
     pub json: bool,
+    /// Draw each pixel's error into this file: black is none, through violet and orange to pale yellow, 1 and above
+    #[arg(long, value_name = "FILE.png")]
+    pub heat_map: Option<PathBuf>,
+    /// The error drawn: flip, or the root of a pixel's relMSE
+    #[arg(long, value_enum, value_name = "NAME", default_value_t = HeatMetric::Flip, requires = "heat_map")]
+    pub heat_map_of: HeatMetric,
 }

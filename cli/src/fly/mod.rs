@@ -7,11 +7,12 @@ use hashcache::Preview;
 use hashcache::scene::CameraPath;
 use serde_json::Value;
 
-use crate::args::Fly;
+use crate::args::{Fly, FrameFormat};
 use crate::failure::Failure;
 use crate::folder::Folder;
+use crate::outputs;
 use crate::progress::Display;
-use crate::render::lit;
+use crate::render::open;
 use crate::table::Table;
 use frames::{Frame, Previous};
 use references::References;
@@ -25,15 +26,18 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
     if settings.camera.is_some() {
         return Err(Failure::usage("--camera does not go with --path; the path holds the cameras"));
     }
+    let tone = settings.tone_mapping();
+    if args.format != FrameFormat::Png {
+        outputs::refuse_tone(&tone, &format!("--format {}", args.format.ending()), "use --format png")?;
+    }
     let folder = Folder::check(&args.output)?;
     let path = CameraPath::from_file(&args.path).map_err(hashcache::Error::from)?;
     let names: Vec<_> = (0..path.frames()).map(|index| frame_name(index, args.format.ending())).collect();
     refuse_other_frames(&folder, &names)?;
     let references = args.references.as_deref().map(|folder| References::find(folder, path.frames())).transpose()?;
-    let start = path.frame(0).map(|(view, _)| Preview::open_at(&args.scene, &settings, &view));
-    // A path without a frame cannot be made.
-    let preview = start.unwrap_or_else(|| Preview::open(&args.scene, &settings))?;
-    let preview = lit(preview, &args.scene)?;
+    let mut display = Display::new(args.quiet);
+    let start = path.frame(0).map(|(view, _)| view);
+    let preview = open(&mut display, &args.scene, &settings, start.as_ref())?;
     if let Some(references) = &references {
         references.check(preview.size())?;
     }
@@ -41,7 +45,6 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
     let stops = stops.map(|(view, light)| Ok((preview.camera_at(&view)?, view, light)));
     let stops = stops.collect::<Result<Vec<_>, hashcache::Error>>()?;
 
-    let mut display = Display::new(args.quiet);
     for warning in preview.warnings() {
         display.line(&format!("warning: {warning}"));
     }
@@ -67,7 +70,7 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
             folder.remove(SUMMARY)?;
             table.insert(Table::create(&folder, METRICS, [Frame::columns().as_slice()])?)
         };
-        folder.write_image(name, &now.image)?;
+        folder.write_image(name, &now.image, &tone)?;
         table.add(&frame.cells())?;
         frames.push(frame);
         previous = Some(now);

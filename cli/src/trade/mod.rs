@@ -8,13 +8,12 @@ mod sweep;
 
 use std::time::Instant;
 
-use hashcache::Preview;
-
 use crate::args::Trade;
 use crate::failure::Failure;
 use crate::folder::Folder;
+use crate::outputs::refuse_tone;
 use crate::progress::Display;
-use crate::render::lit;
+use crate::render::open;
 use measure::{Budget, Measured, measure};
 use reference::Reference;
 use sheet::{Sheet, Subject};
@@ -23,11 +22,14 @@ use sweep::{Sweep, describe};
 /// Measures all rows that are not there yet; then the front is what to print.
 pub fn run(args: &Trade) -> Result<String, Failure> {
     let sweep = Sweep::new(&args.settings.given()?, &args.vary)?;
+    for trial in &sweep.trials {
+        refuse_tone(&trial.settings.tone_mapping(), "trade", "leave it out")?;
+    }
     let folder = Folder::check(&args.output)?;
     let mut sheet = Sheet::read(&folder, &sweep.axes)?;
     Reference::check(args, &folder)?;
-    let mut preview = lit(Preview::open(&args.scene, &sweep.trials[0].settings)?, &args.scene)?;
     let mut display = Display::new(args.quiet);
+    let mut preview = open(&mut display, &args.scene, &sweep.trials[0].settings, None)?;
     for warning in preview.warnings() {
         display.line(&format!("warning: {warning}"));
     }

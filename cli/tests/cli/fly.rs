@@ -36,8 +36,21 @@ fn a_move_writes_frames_rows_and_a_summary() {
         ["frame_0000.exr", "frame_0001.exr", "frame_0002.exr", "frame_0003.exr", "metrics.csv", "summary.json"];
     assert_eq!(place.names("out"), expected);
     let summary = summary(&place, "out");
-    for key in ["scene", "backend", "settings", "needs", "plan", "time_s", "cpu_s", "rays", "samples_per_pixel", "path"]
-    {
+    for key in [
+        "scene",
+        "backend",
+        "settings",
+        "needs",
+        "plan",
+        "time_s",
+        "cpu_s",
+        "rays",
+        "cache",
+        "peak_rss_bytes",
+        "samples_per_pixel",
+        "frames",
+        "path",
+    ] {
         assert!(!summary[key].is_null(), "{key} is missing in {summary}");
     }
     let frames = summary["frames"].as_array().expect("a list");

@@ -7,6 +7,7 @@ mod bad_moves;
 mod bad_scenes;
 mod command;
 mod fly;
+mod pictures;
 mod place;
 mod scene;
 mod table;

@@ -8,7 +8,7 @@ use hashcache_core::exact::{
     Outcome, Quantum, add64, carry, dequantize, hi, less64, lo, mean, pair, quantize, shl64, sub64,
 };
 use hashcache_core::float;
-use hashcache_core::geometry::{Geometry, Instance, Mesh};
+use hashcache_core::geometry::{Geometry, Instance, Mesh, Opacity, OpacityMask};
 use hashcache_core::glam::Vec3;
 use hashcache_core::hash::{finish, mix, pcg, pcg2d, pcg3d, pcg4d, to_unit_f32};
 use hashcache_core::level::{exponent, level_from_footprint};
@@ -16,6 +16,7 @@ use hashcache_core::pack::{
     half_from_f32, half_to_f32, octahedral_decode, octahedral_decode_int, octahedral_encode, pack_half2, unpack_half2,
 };
 use hashcache_core::record::VertexRecord;
+use hashcache_core::texel::{Wrap, texel_pair};
 
 use crate::checks::Checks;
 
@@ -99,13 +100,33 @@ fn sums(checks: &mut Checks) {
 }
 
 fn geometry(checks: &mut Checks) {
+    let mask = OpacityMask {
+        width: 2,
+        height: 1,
+        cutoff: 0.5,
+        factor: 1.0,
+        uv_rows: OpacityMask::IDENTITY,
+        ..bytemuck::Zeroable::zeroed()
+    };
+    let opacity = Opacity {
+        mask_of_triangle: &[0],
+        masks: &[mask],
+        uv: &[[[0.0; 2], [1.0, 0.0], [0.0; 2]]],
+        alpha: black_box(&[255, 0]),
+    };
     let geometry = Geometry {
         positions: &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         indices: &[[0, 1, 2]],
         meshes: &[Mesh { first_triangle: 0, triangle_count: 1 }],
         instances: &[Instance::identity(0)],
-        ..Geometry::default()
+        opacity,
     };
+    checks.that(
+        "Opacity::check",
+        black_box(&opacity).check(1).is_ok() && opacity.is_in_use() && mask.has_holes(&[255, 0]),
+    );
+    checks.that("Opacity::passes", opacity.passes(0, black_box(0.75), 0.0) && !opacity.passes(0, black_box(0.25), 0.0));
+    checks.that("texel_pair", texel_pair(black_box(-0.125), 4, Wrap::word(Wrap::Clamp, Wrap::Repeat)).first == 0);
     let corner = Vec3::from_array(black_box(&geometry).positions[1]);
     checks.that("Instance::point", geometry.instances[0].point(corner) == corner);
     let mut vertex: VertexRecord = bytemuck::Zeroable::zeroed();

@@ -20,9 +20,7 @@ use layered_filter::{
 };
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
-use pt_integrator::kernels::{
-    RESOLVE, TRACE_FILM, TraceParams, VisibleParams, trace_records, trace_visible,
-};
+use pt_integrator::kernels::{RESOLVE, TRACE_FILM, TraceParams, VisibleParams, trace_records, trace_visible};
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
 use pt_integrator::scene::{Environment, Material, SceneData, TriangleShading};
