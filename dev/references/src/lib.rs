@@ -7,8 +7,17 @@ use hashcache::{Image, Preview, Settings, image_file};
 use image_metrics::{BlockTest, ImageView, Margin, block_test, energy_ratio, rel_mse_trimmed};
 use serde_json::Value;
 
-/// The Lambertian scenes with area lights or an environment that have a reference.
-pub const SCENES: [&str; 5] = ["cornell-box", "modern-hall", "living-room", "wooden-staircase", "country-kitchen"];
+/// The scenes that have a reference: Lambertian ones with area lights or an environment, one with punctual lights, and
+/// one with a mirror and glass.
+pub const SCENES: [&str; 7] = [
+    "cornell-box",
+    "modern-hall",
+    "living-room",
+    "wooden-staircase",
+    "country-kitchen",
+    "sunny-blocks",
+    "cornell-specular",
+];
 
 /// What a block's mean may differ from the reference's without being held against us: a thousandth for what shading
 /// normals that lie against their face are worth to two renderers, and a tenth of the darkest step of an 8-bit sRGB

@@ -1,4 +1,4 @@
-//! The full comparison with the independent renderer: 64 samples a pixel, eight seeds, five scenes.
+//! The full comparison with the independent renderer: 64 samples a pixel, eight seeds, seven scenes.
 //! `cargo run --release -p references [-- SCENE…]`
 
 use std::process::ExitCode;

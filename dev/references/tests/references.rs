@@ -9,8 +9,8 @@ const SPP: u32 = 4;
 /// Pictures, enough for a variance of their mean.
 const SEEDS: u32 = 4;
 
-/// Standard deviations of the energy that noise may explain beyond the tolerance: 15 comparisons at 4.5 fail by chance
-/// once in ten thousand runs.
+/// Standard deviations of the energy that noise may explain beyond the tolerance: 21 comparisons at 4.5 fail by chance
+/// once in seven thousand runs.
 const SIGMAS: f64 = 4.5;
 
 #[test]
