@@ -145,7 +145,7 @@ impl Preview {
         &self.plan
     }
 
-    /// The plan with what left-out features save of tracing time, by measurement on a backend: some million samples,
+    /// The plan with what left-out features save of tracing time, by measurement on a backend: some hundred thousand samples,
     /// with and without each.
     ///
     /// # Errors

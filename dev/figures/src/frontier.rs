@@ -29,12 +29,12 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
 }
 
 fn print(subject: &Subject, frame: &str, frames: &Frames, peers: &[PeerRow]) -> Result<(), String> {
-    let score = Score::of(&frames.last.image, &subject.reference)?;
+    let score = Score::of(&frames.last.image, &subject.still.reference)?;
     let cpu_s = frames.last.elapsed.cpu_s;
     let build = frames.stats.cpu_s.build;
-    let mut cells = vec![subject.name.clone(), frame.to_owned(), table::seconds(build), table::seconds(cpu_s)];
+    let mut cells = vec![subject.still.name.clone(), frame.to_owned(), table::seconds(build), table::seconds(cpu_s)];
     cells.extend(score.cells());
-    if let Some(peer) = peer::at(peers, &subject.name, cpu_s) {
+    if let Some(peer) = peer::at(peers, &subject.still.name, cpu_s) {
         cells.extend([
             table::seconds(peer.cpu_s),
             table::error(peer.relmse),

@@ -8,6 +8,7 @@
 mod arguments;
 mod densities;
 mod frontier;
+mod layers;
 mod leaks;
 mod peer;
 mod resolution;
@@ -16,6 +17,7 @@ mod score;
 mod sequence;
 mod spp;
 mod stages;
+mod still;
 mod subject;
 mod table;
 
@@ -26,9 +28,14 @@ use arguments::Arguments;
 /// A verb: its name, what it prints, and how.
 type Verb = (&'static str, &'static str, fn(&Arguments) -> Result<(), String>);
 
-const VERBS: [Verb; 7] = [
+const VERBS: [Verb; 8] = [
     ("frontier", "first and last frame of a move beside path tracing with Open Image Denoise", frontier::run),
     ("leaks", "light through a thin wall, by its thickness, with each remedy on and off", leaks::run),
+    (
+        "layers",
+        "error behind mirrors and glass: layers filtered by themselves beside the surfaces seen first",
+        layers::run,
+    ),
     ("resolution", "error against the octree's resolution", resolution::run),
     ("spp", "error against samples a pixel, cache beside path tracing", spp::run),
     ("sequence", "error against the frames that came before", sequence::run),

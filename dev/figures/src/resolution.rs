@@ -34,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
                     count.to_string(),
                     table::seconds(frames.cpu_s / f64::from(count)),
                 ];
-                cells.extend(Score::of(&frames.last.image, &subject.reference)?.cells());
+                cells.extend(Score::of(&frames.last.image, &subject.still.reference)?.cells());
                 table::row(&cells);
             }
         }

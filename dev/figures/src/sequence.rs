@@ -22,7 +22,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
             for (camera, frames) in [("moves", moving), ("rests", resting)] {
                 let cpu_s = frames.cpu_s / f64::from(count);
                 let mut cells = vec![name.clone(), camera.to_owned(), count.to_string(), table::seconds(cpu_s)];
-                cells.extend(Score::of(&frames.last.image, &subject.reference)?.cells());
+                cells.extend(Score::of(&frames.last.image, &subject.still.reference)?.cells());
                 table::row(&cells);
             }
         }

@@ -25,7 +25,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
                 settings.set("spp", spp).map_err(|error| error.to_string())?;
                 let frames = run::at_rest(&subject.open(&settings)?, 1)?;
                 let mut cells = vec![name.clone(), by.to_owned(), spp.to_owned(), table::seconds(frames.cpu_s)];
-                cells.extend(Score::of(&frames.last.image, &subject.reference)?.cells());
+                cells.extend(Score::of(&frames.last.image, &subject.still.reference)?.cells());
                 table::row(&cells);
             }
         }

@@ -13,13 +13,13 @@ use crate::feature::{FEATURES, FeatureSet, Saving};
 use crate::preview::Preview;
 
 /// Columns and rows of the picture that is traced.
-const PROBE: [u32; 2] = [256, 256];
+const PROBE: [u32; 2] = [128, 128];
 
 /// Samples a pixel of one run.
 const SAMPLES: u32 = 4;
 
 /// Runs of each variant, in turn; the fastest counts.
-const ROUNDS: u32 = 7;
+const ROUNDS: u32 = 5;
 
 /// Fills in what each feature of the tracing loop would add to a sample, in CPU-nanoseconds.
 pub(crate) fn savings<B: CastsRays>(backend: &mut B, preview: &Preview, saved: &mut [Saving]) -> Result<(), Error> {

@@ -1,0 +1,125 @@
+//! Layered filtering beside filtering by what is seen first, where mirrors and glass are seen.
+
+use hashcache::{Image, Preview};
+
+use crate::arguments::Arguments;
+use crate::still::Still;
+use crate::table;
+
+/// Farthest taps in pixels.
+const RADII: [&str; 6] = ["1", "2", "4", "8", "12", "20"];
+
+/// Samples at which the radius has shrunk to a pixel; 0: it never shrinks.
+const SAMPLES: [&str; 4] = ["0", "150", "600", "2400"];
+
+/// Frames at rest.
+const FRAMES: [u32; 2] = [1, 8];
+
+/// A filter at some strength.
+struct Found {
+    /// relMSE over the pixels that count, and over all.
+    error: f64,
+    whole: f64,
+    strength: String,
+}
+
+/// For each scene the error of both filters, each at its best strength, over the pixels that show a mirror or glass first.
+pub fn run(arguments: &Arguments) -> Result<(), String> {
+    println!(
+        "{}; relMSE over pixels whose first vertex is mirror or glass, at the best of {} strengths; ratio: layered over screen\n",
+        arguments.changed(),
+        RADII.len() * SAMPLES.len()
+    );
+    let strengths: Vec<_> = RADII.iter().flat_map(|radius| SAMPLES.map(|samples| (*radius, samples))).collect();
+    table::head(&["scene", "frames", "pixels", "filter", "radius / samples", "relMSE", "of the picture", "ratio"]);
+    for name in arguments.scenes(&["builtin:interior", "cornell-specular"]) {
+        let still = Still::read(&name)?;
+        let shown = mask(&still.open(&arguments.settings(&[("spp", "1")])?)?)?;
+        let share = shown.iter().filter(|shown| **shown).count() as f64 / shown.len() as f64;
+        for frames in FRAMES {
+            let none = best(&still, arguments, frames, &shown, "none", &[("0", "0")])?;
+            let [screen, layered] =
+                ["screen", "layered"].map(|filter| best(&still, arguments, frames, &shown, filter, &strengths));
+            let (screen, layered) = (screen?, layered?);
+            let ratio = table::ratio(layered.error / screen.error);
+            for (filter, found, ratio) in [("none", none, ""), ("screen", screen, ""), ("layered", layered, &ratio)] {
+                table::row(&[
+                    name.clone(),
+                    frames.to_string(),
+                    format!("{:.1} %", 100.0 * share),
+                    filter.to_owned(),
+                    found.strength,
+                    table::error(found.error),
+                    table::error(found.whole),
+                    ratio.to_owned(),
+                ]);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The strength with the least error after some frames at rest.
+fn best(
+    still: &Still,
+    arguments: &Arguments,
+    frames: u32,
+    shown: &[bool],
+    filter: &str,
+    strengths: &[(&str, &str)],
+) -> Result<Found, String> {
+    let say = |error: hashcache::Error| error.to_string();
+    let preview = still.open(&arguments.settings(&[("filter", filter)])?)?;
+    let mut backend = preview.backend().map_err(say)?;
+    let mut session = preview.session(&mut backend).map_err(say)?;
+    for _ in 0..frames {
+        session.frame(preview.camera(), &mut |_| ()).map_err(say)?;
+    }
+    let mut best: Option<Found> = None;
+    for (radius, samples) in strengths {
+        let mut settings = preview.settings().clone();
+        if filter != "none" {
+            for (key, value) in [("filter.radius", radius), ("filter.samples", samples)] {
+                settings.set(key, value).map_err(|error| error.to_string())?;
+            }
+        }
+        let image = session.filtered(&settings).map_err(say)?.ok_or("the settings keep no sums")?;
+        let error = masked_rel_mse(&image, &still.reference, &|i| shown[i]);
+        if best.as_ref().is_none_or(|best| error < best.error) {
+            let whole = masked_rel_mse(&image, &still.reference, &|_| true);
+            best = Some(Found { error, whole, strength: format!("{radius} / {samples}") });
+        }
+    }
+    best.ok_or_else(|| "no strength to try".to_owned())
+}
+
+/// Pixels that show nothing diffuse first, and something diffuse behind it.
+fn mask(preview: &Preview) -> Result<Vec<bool>, String> {
+    let say = |error: hashcache::Error| error.to_string();
+    let mut backend = preview.backend().map_err(say)?;
+    let mut session = preview.session(&mut backend).map_err(say)?;
+    session.frame(preview.camera(), &mut |_| ()).map_err(say)?;
+    let aovs = session.aovs().map_err(say)?;
+    let is_dark = |pixel: &[f32; 3]| pixel.iter().all(|&c| c <= 0.0);
+    let first = aovs.iter().find(|(name, _)| *name == "albedo").ok_or("the settings keep no albedo")?;
+    let behind: Vec<_> =
+        aovs.iter().filter(|(name, _)| name.starts_with("layer") && name.ends_with("_albedo")).collect();
+    let shows = |i: usize| is_dark(&first.1.pixels[i]) && behind.iter().any(|(_, image)| !is_dark(&image.pixels[i]));
+    Ok((0..first.1.pixels.len()).map(shows).collect())
+}
+
+/// relMSE over the pixels that count.
+fn masked_rel_mse(image: &Image, reference: &Image, counts: &dyn Fn(usize) -> bool) -> f64 {
+    let (mut sum, mut n) = (0.0, 0.0);
+    for (i, (found, wanted)) in image.pixels.iter().zip(&reference.pixels).enumerate() {
+        if counts(i) {
+            let errors = found.iter().zip(wanted).map(|(&i, &r)| {
+                let (i, r) = (f64::from(i), f64::from(r));
+                (i - r).powi(2) / (r * r + 0.01)
+            });
+            sum += errors.sum::<f64>();
+            n += 3.0;
+        }
+    }
+    sum / n
+}
