@@ -100,10 +100,10 @@ fn hg_point_nearest(spot: HgSpot) -> array<HgPoint, 3> {
     let at = hg_point_inside(spot);
     var points = array<HgPoint, 3>();
     var distances = vec3<u32>(0xffffffffu);
-    for (var ring = 0; ring <= 3; ring++) {
+    for (var pass_index = 0; pass_index < 2; pass_index++) {
         for (var index = 0; index < 216; index++) {
             let delta = hg_point_neighbour(cube, index);
-            if hg_reach(delta) != ring || hg_cube_distance(at, delta) >= distances.z {
+            if (hg_reach(delta) > 1) != (pass_index == 1) || hg_cube_distance(at, delta) >= distances.z {
                 continue;
             }
             let other = HgKey(cube.cell + delta, cube.attributes);

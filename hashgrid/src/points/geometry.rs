@@ -161,18 +161,29 @@ pub const fn point_nearest(spot: Spot) -> [Point; 3] {
     let (cube, at) = (point_cube(spot), point_inside(spot));
     let mut points = [Point { owner: cube, offset: [0; 3] }; 3];
     let mut distances = [u32::MAX; 3];
-    // Rings of cubes around the spot's own: the near ones leave little to do for the far ones.
-    let mut ring = 0;
-    while ring <= 3 {
+    let lowest = point_neighbour(cube, 0);
+    // First the 27 cubes around the spot, which leave little to do for the others.
+    let mut pass = 0;
+    while pass < 2 {
         let mut index = 0;
         while index < 216 {
-            let delta = point_neighbour(cube, index);
-            index += 1;
-            if reach(delta) != ring || cube_distance(at, delta) >= distances[2] {
+            let delta = [lowest[0] + index % 6, lowest[1] + (index / 6) % 6, lowest[2] + index / 36];
+            let [x, y, z] = [beyond(at[0], delta[0]), beyond(at[1], delta[1]), beyond(at[2], delta[2])];
+            // Slabs and rows that are too far are passed by as a whole.
+            if index % 36 == 0 && (z * z) as u32 >= distances[2] {
+                index += 36;
                 continue;
             }
-            let [x, y, z] = cube.cell;
-            let other = Key { cell: [x + delta[0], y + delta[1], z + delta[2]], attributes: cube.attributes };
+            if index % 6 == 0 && (y * y + z * z) as u32 >= distances[2] {
+                index += 6;
+                continue;
+            }
+            index += 1;
+            if (reach(delta) > 1) != (pass == 1) || (x * x + y * y + z * z) as u32 >= distances[2] {
+                continue;
+            }
+            let [cx, cy, cz] = cube.cell;
+            let other = Key { cell: [cx + delta[0], cy + delta[1], cz + delta[2]], attributes: cube.attributes };
             let offset = point_offset(at, delta, other);
             let distance = distance_squared(offset);
             if distance >= distances[2] {
@@ -188,7 +199,7 @@ pub const fn point_nearest(spot: Spot) -> [Point; 3] {
             points[place] = Point { owner: other, offset };
             distances[place] = distance;
         }
-        ring += 1;
+        pass += 1;
     }
     let [a, b, c] = points;
     [
