@@ -24,8 +24,9 @@
 //! - **Textures** hold 8 bits a channel. Colours (base colour, emission, specular colour) are decoded from sRGB before they
 //!   are filtered, all others are linear. Textures of one image share its texels. A material reads two sets of
 //!   coordinates; the base colour's is the first.
-//! - **Holes.** Alpha masks are the ray caster's ([`pt_integrator::scene::OpacityData`]); blended surfaces are masks at 0.5,
-//!   with a warning. A mask without holes is left out.
+//! - **Holes.** Alpha masks are the ray caster's ([`pt_integrator::scene::OpacityData`]). A mask without holes is left out.
+//!   Blended surfaces become, with a warning, thin sheets where their opacity is one number, masks at 0.5 where a texture
+//!   may change it.
 //! - **Cameras** are pinholes with the file's vertical field of view; the picture's size gives the aspect ratio.
 //!   A [`CameraPath`] is a move of one, read from a file of its own.
 //!

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Gltf, png, warned};
 use hashcache_core::geometry::Opacity;
-use pt_integrator::scene::Material;
+use pt_integrator::scene::{Lobes, Material};
 use scene::Loaded;
 use serde_json::{Value, json};
 
@@ -76,4 +76,25 @@ fn without_holes_there_is_no_mask() {
     });
     let opacity = moved.data.opacity.view();
     assert!(!opacity.passes(0, 0.1, 0.0) && opacity.passes(0, 0.9, 0.0));
+}
+
+#[test]
+fn a_blended_surface_of_one_opacity_is_a_sheet() {
+    for (color, opacity, specular) in [(0.15, 0.3, 1.0), (0.5, 0.75, 0.0), (0.0, 0.0, 1.0)] {
+        let loaded = load(|m| {
+            *m = json!({"alphaMode": "BLEND",
+                "pbrMetallicRoughness": {"baseColorFactor": [color, color, color, opacity], "metallicFactor": 0},
+                "extensions": {"KHR_materials_specular": {"specularFactor": specular}}});
+        });
+        assert_eq!(loaded.data.opacity, pt_integrator::scene::OpacityData::default());
+        assert!(warned(&loaded, "thin sheets").is_some(), "{:?}", loaded.warnings);
+        let material = loaded.data.materials[0];
+        let (tint, through) = (material.base_color[0], material.surface[2]);
+        assert!((tint * through - (1.0 - opacity)).abs() < 1e-6, "{material:?}");
+        assert!((tint * (1.0 - through) - opacity * color).abs() < 1e-6, "{material:?}");
+        assert!((material.specular[3] - opacity * specular).abs() < 1e-6 && material.flags == 0);
+    }
+    // Nothing is left of one that is opaque but its surface.
+    let whole = load(|m| *m = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"metallicFactor": 0}}));
+    assert_eq!(whole.data.materials[0].lobes(), Lobes::DIFFUSE | Lobes::REFLECTION);
 }

@@ -73,7 +73,20 @@ impl<'c> Converter<'c> {
             self.scattering(source, &mut material)?;
             self.emission(source, &mut material)?;
         }
-        Ok(Converted { material, sets: self.sets, cutout })
+        let blended = matches!(source.alpha_mode, Checked::Valid(AlphaMode::Blend));
+        let Some(cutout) = cutout.filter(|_| blended) else {
+            return Ok(Converted { material, sets: self.sets, cutout });
+        };
+        let sheet = sheet(&material, cutout.factor);
+        let what = match sheet {
+            Some(_) => {
+                "blended surfaces of one opacity are shown as thin sheets that let the rest of the light through"
+            }
+            None => "blended surfaces are shown as masks: there from an opacity of 0.5 on, not there below",
+        };
+        self.warnings.add(what, || format!("{}/alphaMode", self.place));
+        let cutout = if sheet.is_none() { Some(cutout) } else { None };
+        Ok(Converted { material: sheet.unwrap_or(material), sets: self.sets, cutout })
     }
 
     fn scattering(&mut self, source: &json::Material, material: &mut Material) -> Result<(), SceneError> {
@@ -242,10 +255,6 @@ impl<'c> Converter<'c> {
             _ => return Ok(None),
         };
         let factor = self.unit(factor, "/pbrMetallicRoughness/baseColorFactor")?;
-        if matches!(source.alpha_mode, Checked::Valid(AlphaMode::Blend)) {
-            let what = "blended surfaces are shown as masks: there from an opacity of 0.5 on, not there below";
-            self.warnings.add(what, || format!("{}/alphaMode", self.place));
-        }
         Ok(Some(Cutout { material: NONE, texture, factor, cutoff }))
     }
 
@@ -302,4 +311,25 @@ impl<'c> Converter<'c> {
         };
         self.textures.ask(self.document, reference, second_set | linear, self.warnings)
     }
+}
+
+/// A Lambertian or dielectric surface of this opacity as a thin sheet: it reflects opacity × base colour and its share of
+/// the highlight, and lets the rest through in straight lines. Exact for grey; colours keep their mean. `None` for other
+/// surfaces, and for those whose opacity a texture may change.
+fn sheet(material: &Material, opacity: f32) -> Option<Material> {
+    let [metallic, _, transmission, _] = material.surface;
+    let plain = metallic == 0.0 && transmission == 0.0 && material.coat[0] == 0.0;
+    let textured = material.textures.iter().any(|&texture| texture != NONE);
+    if !plain || textured || material.flags & Material::UNLIT != 0 || opacity >= 1.0 {
+        return None;
+    }
+    let passes = 1.0 - opacity;
+    // The sheet's colour tints both parts, so it is that of their sum.
+    let [r, g, b, _] = material.base_color.map(|c| passes + opacity * c);
+    let share = passes * 3.0 / (r + g + b);
+    let mut sheet = *material;
+    sheet.base_color = [r, g, b, 1.0];
+    sheet.surface = [0.0, 0.0, share.min(1.0), 1.0];
+    sheet.specular[3] *= opacity;
+    Some(sheet)
 }
