@@ -1,5 +1,10 @@
 //! Lambertian scenes keep their bits: what a scene does not need costs it nothing, not even a rounding.
-#![allow(clippy::disallowed_methods, reason = "scenes come from the platform's functions")]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::float_cmp,
+    clippy::unreadable_literal,
+    reason = "scenes come from the platform's functions, and golden numbers are never read"
+)]
 
 mod common;
 

@@ -1,5 +1,9 @@
 //! Layers of a pixel: with the true illumination they are the path tracer's picture.
-#![allow(clippy::disallowed_methods, reason = "expectations come from the platform's functions and exact values")]
+#![allow(
+    clippy::disallowed_methods,
+    clippy::float_cmp,
+    reason = "expectations come from the platform's functions and exact values"
+)]
 
 mod common;
 

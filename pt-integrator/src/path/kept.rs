@@ -74,7 +74,7 @@ impl<const STORE: usize> Kept<STORE> {
 
     /// Weight of light at the camera.
     #[inline(always)]
-    pub fn from_camera(&self) -> Vec3 {
+    pub fn at_camera(&self) -> Vec3 {
         if self.count == 0 { self.throughput } else { self.throughput * self.weights[0] }
     }
 

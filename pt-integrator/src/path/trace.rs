@@ -56,7 +56,7 @@ pub fn trace_path<C: RayCaster, S: Sampler>(
     counts: &mut RayCounts,
 ) -> PathOutcome {
     let trace = for_needs!(scene, path_for, C, S);
-    trace(scene, caster, sampler, ray, settings, counts)
+    trace(scene, caster, sampler, ray, *settings, counts)
 }
 
 fn path_for<const NEEDS: u32, M: Scatters, C: RayCaster, S: Sampler>(
@@ -64,10 +64,10 @@ fn path_for<const NEEDS: u32, M: Scatters, C: RayCaster, S: Sampler>(
     caster: &C,
     sampler: &mut S,
     ray: &Ray,
-    settings: &PathSettings,
+    settings: PathSettings,
     counts: &mut RayCounts,
 ) -> PathOutcome {
-    let settings = VertexSettings::new(*settings);
+    let settings = VertexSettings::new(settings);
     let mut outcome = PathOutcome::NONE;
     let tracer = Tracer::<NEEDS, C> { scene, caster, counts };
     let mut path = Path { tracer, sampler, settings: &settings, limits: Limits::OfPixel };
@@ -200,10 +200,10 @@ impl<const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, '_, NEEDS, C, S> {
             }
             let reached = kept.reached(depth, length);
             let met = self.tracer.next_event(self.sampler, surface, &material, lobe, next.medium);
-            self.receive(vertices, &kept, reached.clone(), depth, met);
+            receive(vertices, &kept, reached.clone(), depth, met);
             if depth >= path.roulette_depth as usize {
                 let mut carried = match self.limits {
-                    Limits::OfPixel => kept.from_camera(),
+                    Limits::OfPixel => kept.at_camera(),
                     Limits::OfVertex => kept.last(),
                 };
                 if M::MIXED {
@@ -218,7 +218,7 @@ impl<const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, '_, NEEDS, C, S> {
             }
             let last = depth >= end;
             let arrival = self.tracer.scatter(self.sampler, surface, &material, lobe, next.medium, last);
-            self.receive(vertices, &kept, reached, depth, arrival.emitted);
+            receive(vertices, &kept, reached, depth, arrival.emitted);
             let Some(further) = arrival.next else { return };
             if M::MIXED {
                 kept.scale(arrival.weight);
@@ -229,23 +229,22 @@ impl<const NEEDS: u32, C: RayCaster, S: Sampler> Path<'_, '_, NEEDS, C, S> {
             depth += 1;
         }
     }
+}
 
-    /// Light found at scattering `depth`, for the camera or for the kept vertices that it reaches.
-    #[inline(always)]
-    fn receive<const STORE: usize>(
-        &self,
-        vertices: &mut [PathOutcome],
-        kept: &Kept<STORE>,
-        reached: Range<usize>,
-        depth: usize,
-        light: Vec3,
-    ) {
-        if kept.count() == 0 {
-            vertices[0].emitted += kept.last() * light;
-        }
-        for place in reached {
-            let (weight, own) = kept.of(place, depth);
-            vertices[place].receive(own, weight * light);
-        }
+/// Light found at scattering `depth`, for the camera or for the kept vertices that it reaches.
+#[inline(always)]
+fn receive<const STORE: usize>(
+    vertices: &mut [PathOutcome],
+    kept: &Kept<STORE>,
+    reached: Range<usize>,
+    depth: usize,
+    light: Vec3,
+) {
+    if kept.count() == 0 {
+        vertices[0].emitted += kept.last() * light;
+    }
+    for place in reached {
+        let (weight, own) = kept.of(place, depth);
+        vertices[place].receive(own, weight * light);
     }
 }

@@ -1,4 +1,5 @@
 //! Materials of several lobes, means of paths among them, and the scenes that several tests share.
+#![allow(clippy::trivially_copy_pass_by_ref, reason = "as the functions under test")]
 
 use hashcache_core::geometry::Ray;
 use pt_integrator::glam::Vec3;
