@@ -55,7 +55,7 @@ impl Folder {
     }
 
     /// Writes a picture into it, whole or not at all.
-    pub fn write_image(&self, name: &str, image: &Image, tone: &ToneMapping) -> Result<(), Failure> {
+    pub fn write_image(&self, name: &str, image: &Image, tone: ToneMapping) -> Result<(), Failure> {
         uninterrupted(|| self.put(name, |place| place.stage_image(image, tone)))
     }
 

@@ -46,7 +46,7 @@ impl HeatMap {
 
     /// Writes it, whole or not at all.
     pub fn write(self, image: &Image) -> Result<(), Failure> {
-        uninterrupted(|| self.place.stage_image(image, &ToneMapping::default()).and_then(Staged::commit))
+        uninterrupted(|| self.place.stage_image(image, ToneMapping::default()).and_then(Staged::commit))
     }
 }
 

@@ -32,7 +32,7 @@ impl Outputs {
         let unnamed = images.is_empty() && stats.is_none() && aovs.is_none();
         if !unnamed && !formats.contains(&Format::Png) {
             let named = images.first().map_or("an output without a picture".into(), |path| path.display().to_string());
-            refuse_tone(&tone, &named, "write a .png")?;
+            refuse_tone(tone, &named, "write a .png")?;
         }
         let default = if unnamed { Some(default_name(scene)?) } else { None };
         let aovs = aovs.map(Folder::check).transpose()?;
@@ -72,14 +72,14 @@ impl Outputs {
     fn stage(&self, image: &Image, stats: &[u8], aovs: &[(&str, Image)]) -> Result<Vec<Staged>, Failure> {
         let mut staged = Vec::new();
         for place in &self.images {
-            staged.push(place.clone().stage_image(image, &self.tone)?);
+            staged.push(place.clone().stage_image(image, self.tone)?);
         }
         if let Some(place) = &self.stats {
             staged.push(place.clone().stage_bytes(stats)?);
         }
         if let Some(folder) = &self.aovs {
             for (name, image) in aovs {
-                staged.push(Place::check(&folder.path().join(format!("{name}.exr")))?.stage_image(image, &self.tone)?);
+                staged.push(Place::check(&folder.path().join(format!("{name}.exr")))?.stage_image(image, self.tone)?);
             }
         }
         Ok(staged)
@@ -97,8 +97,8 @@ impl Outputs {
 }
 
 /// Refuses exposure and curve where `output` holds radiance as it is.
-pub fn refuse_tone(tone: &ToneMapping, output: &str, instead: &str) -> Result<(), Failure> {
-    if *tone == ToneMapping::default() {
+pub fn refuse_tone(tone: ToneMapping, output: &str, instead: &str) -> Result<(), Failure> {
+    if tone == ToneMapping::default() {
         return Ok(());
     }
     let key = if tone.curve == ToneMapping::default().curve { "image.exposure" } else { "image.tonemap" };

@@ -59,7 +59,7 @@ impl Place {
     }
 
     /// Writes a picture beside the place, in the format of the name's ending.
-    pub fn stage_image(self, image: &Image, tone: &ToneMapping) -> Result<Staged, Failure> {
+    pub fn stage_image(self, image: &Image, tone: ToneMapping) -> Result<Staged, Failure> {
         let (folder, file) = self.stage()?;
         image_file::write_toned(&file, image, tone).map_err(|error| match error {
             ImageError::Write { reason, .. } => self.failure(&reason),

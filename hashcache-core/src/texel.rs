@@ -59,8 +59,8 @@ pub fn texel_pair(coordinate: f32, size: u32, wrap: u32) -> TexelPair {
     };
     let x = inside * size as f32 - 0.5;
     let cell = float::floor(x);
-    // `max` first: it turns NaN into 0.
-    let fraction = (x - cell).max(0.0).min(1.0);
+    // At most 1, by the floor; `max` turns NaN into 0.
+    let fraction = (x - cell).max(0.0);
     let cell = cell as i32;
     TexelPair { first: wrapped(cell, size, wrap), second: wrapped(cell.saturating_add(1), size, wrap), fraction }
 }

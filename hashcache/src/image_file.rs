@@ -77,14 +77,14 @@ pub fn format_of(path: &Path) -> Result<Format, ImageError> {
 /// # Errors
 /// [`ImageError::UnknownFormat`], [`ImageError::Write`].
 pub fn write(path: &Path, image: &Image) -> Result<(), ImageError> {
-    write_toned(path, image, &ToneMapping::default())
+    write_toned(path, image, ToneMapping::default())
 }
 
 /// The same with exposure and curve of the caller's for a PNG. EXR and HDR hold radiance as it is.
 ///
 /// # Errors
 /// As [`write`].
-pub fn write_toned(path: &Path, image: &Image, tone: &ToneMapping) -> Result<(), ImageError> {
+pub fn write_toned(path: &Path, image: &Image, tone: ToneMapping) -> Result<(), ImageError> {
     let format = format_of(path)?;
     write_whole(path, |out| {
         let mut encoded = |bytes: &[u8], color| -> image::ImageResult<()> {

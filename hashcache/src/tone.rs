@@ -35,7 +35,7 @@ impl Default for ToneMapping {
 impl ToneMapping {
     /// The encoded value in `[0, 1]` of a channel's radiance. Negative radiance and NaN become 0, infinite becomes the
     /// largest.
-    pub fn encode(&self, radiance: f32) -> f32 {
+    pub fn encode(self, radiance: f32) -> f32 {
         let exposed = radiance * exp2(self.exposure);
         srgb_encode(match self.curve {
             ToneCurve::Srgb => exposed,
@@ -44,7 +44,7 @@ impl ToneMapping {
     }
 
     /// The same as a byte, rounded to the nearest.
-    pub fn byte(&self, radiance: f32) -> u8 {
+    pub fn byte(self, radiance: f32) -> u8 {
         (self.encode(radiance) * 255.0 + 0.5) as u8
     }
 }

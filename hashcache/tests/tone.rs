@@ -57,7 +57,7 @@ fn files_of_radiance_do_not_depend_on_it() {
         let file = folder.path().join(name);
         image_file::write(&file, &image).unwrap();
         let plain = std::fs::read(&file).unwrap();
-        image_file::write_toned(&file, &image, &tone).unwrap();
+        image_file::write_toned(&file, &image, tone).unwrap();
         assert_eq!(std::fs::read(&file).unwrap() == plain, same, "{name}");
     }
 }

@@ -58,8 +58,9 @@ impl Lace {
             alpha.extend((0..width * height).map(|i| (pcg(seed ^ i) >> 24) as u8));
         }
         let count = soup.indices.len() as u32;
-        let mask_of_triangle =
-            (0..count).map(|i| if i % 3 == 0 { Opacity::NO_MASK } else { pcg(i) % masks.len() as u32 }).collect();
+        let mask_of_triangle = (0..count)
+            .map(|i| if i.is_multiple_of(3) { Opacity::NO_MASK } else { pcg(i) % masks.len() as u32 })
+            .collect();
         let uv = (0..count).map(|_| [0; 3].map(|_| [numbers.next() * reach, numbers.next() * reach])).collect();
         Self { soup, mask_of_triangle, masks, uv, alpha }
     }
@@ -215,10 +216,10 @@ fn same(a: &CpuScene, b: &CpuScene, rays: &[Ray], rename: impl Fn(u32) -> u32) -
 #[test]
 fn a_hole_is_as_if_the_triangle_were_not_there() {
     let whole = soup(11, 600, 1.0, 0.4);
-    let kept: Vec<u32> = (0..600).filter(|i| pcg(*i) % 4 == 0).collect();
+    let kept: Vec<u32> = (0..600).filter(|i| pcg(*i).is_multiple_of(4)).collect();
     let corners = |i: &u32| whole.indices[*i as usize].map(|c| Vec3::from(whole.positions[c as usize]));
     let rest = Soup::new(&kept.iter().map(corners).collect::<Vec<_>>());
-    let lace = Lace::of_holes(soup(11, 600, 1.0, 0.4), |i| pcg(i) % 4 != 0);
+    let lace = Lace::of_holes(soup(11, 600, 1.0, 0.4), |i| !pcg(i).is_multiple_of(4));
     let rays = rays(12, 1.0, 2000);
     let met = same(&lace.scene(), &rest.scene(), &rays, |i| kept[i as usize]);
     assert!(met > 800, "{met}");
@@ -275,8 +276,7 @@ fn coordinates_far_out_are_answered_and_stay_answered() {
 fn masks_that_name_nothing_are_refused() {
     let good = || Lace::of_holes(soup(51, 3, 1.0, 0.5), |_| true);
     assert!(CpuScene::build(&good().geometry()).is_ok());
-    type Spoil = fn(&mut Lace);
-    let spoils: [Spoil; 11] = [
+    let spoils: [fn(&mut Lace); 11] = [
         |l| l.mask_of_triangle[1] = 1,
         |l| l.mask_of_triangle.truncate(2),
         |l| l.uv.truncate(2),

@@ -28,7 +28,7 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
     }
     let tone = settings.tone_mapping();
     if args.format != FrameFormat::Png {
-        outputs::refuse_tone(&tone, &format!("--format {}", args.format.ending()), "use --format png")?;
+        outputs::refuse_tone(tone, &format!("--format {}", args.format.ending()), "use --format png")?;
     }
     let folder = Folder::check(&args.output)?;
     let path = CameraPath::from_file(&args.path).map_err(hashcache::Error::from)?;
@@ -70,7 +70,7 @@ pub fn run(args: &Fly) -> Result<(), Failure> {
             folder.remove(SUMMARY)?;
             table.insert(Table::create(&folder, METRICS, [Frame::columns().as_slice()])?)
         };
-        folder.write_image(name, &now.image, &tone)?;
+        folder.write_image(name, &now.image, tone)?;
         table.add(&frame.cells())?;
         frames.push(frame);
         previous = Some(now);

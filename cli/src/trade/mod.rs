@@ -23,7 +23,7 @@ use sweep::{Sweep, describe};
 pub fn run(args: &Trade) -> Result<String, Failure> {
     let sweep = Sweep::new(&args.settings.given()?, &args.vary)?;
     for trial in &sweep.trials {
-        refuse_tone(&trial.settings.tone_mapping(), "trade", "leave it out")?;
+        refuse_tone(trial.settings.tone_mapping(), "trade", "leave it out")?;
     }
     let folder = Folder::check(&args.output)?;
     let mut sheet = Sheet::read(&folder, &sweep.axes)?;

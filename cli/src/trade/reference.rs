@@ -90,7 +90,7 @@ impl Reference {
         let written = json!({ "made_with": facts, "estimated_relmse": error });
         // The facts first: a picture without them counts as somebody else's.
         folder.write_bytes(FACTS, format!("{written:#}\n").as_bytes())?;
-        folder.write_image(IMAGE, &image, &ToneMapping::default())?;
+        folder.write_image(IMAGE, &image, ToneMapping::default())?;
         let path = folder.path().join(IMAGE);
         display.line(&format!("{}: {} samples a pixel, its own relMSE is about {error:.2e}", path.display(), 2 * half));
         Ok((preview, Self { image, name }))

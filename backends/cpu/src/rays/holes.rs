@@ -70,7 +70,7 @@ pub(super) struct Masks {
     slots: Vec<u32>,
     mask_of_slot: Vec<u32>,
     uv: Vec<[[f32; 2]; 3]>,
-    masks: Vec<OpacityMask>,
+    kinds: Vec<OpacityMask>,
     alpha: Vec<u8>,
 }
 
@@ -80,7 +80,7 @@ impl Masks {
         let opacity = &geometry.opacity;
         let open: Vec<bool> = opacity.masks.iter().map(|mask| mask.has_holes(opacity.alpha)).collect();
         let mut masks =
-            Self { slots: Vec::new(), mask_of_slot: Vec::new(), uv: Vec::new(), masks: Vec::new(), alpha: Vec::new() };
+            Self { slots: Vec::new(), mask_of_slot: Vec::new(), uv: Vec::new(), kinds: Vec::new(), alpha: Vec::new() };
         for (triangle, &mask) in opacity.mask_of_triangle.iter().enumerate() {
             if mask == Opacity::NO_MASK || !open[mask as usize] {
                 masks.slots.push(u32::MAX);
@@ -93,7 +93,7 @@ impl Masks {
         if masks.mask_of_slot.is_empty() {
             return None;
         }
-        masks.masks.extend_from_slice(opacity.masks);
+        masks.kinds.extend_from_slice(opacity.masks);
         masks.alpha.extend_from_slice(opacity.alpha);
         Some(masks)
     }
@@ -108,12 +108,12 @@ impl Masks {
         size_of_val(self.slots.as_slice())
             + size_of_val(self.mask_of_slot.as_slice())
             + size_of_val(self.uv.as_slice())
-            + size_of_val(self.masks.as_slice())
+            + size_of_val(self.kinds.as_slice())
             + self.alpha.len()
     }
 
     #[inline]
     fn view(&self) -> Opacity<'_> {
-        Opacity { mask_of_triangle: &self.mask_of_slot, masks: &self.masks, uv: &self.uv, alpha: &self.alpha }
+        Opacity { mask_of_triangle: &self.mask_of_slot, masks: &self.kinds, uv: &self.uv, alpha: &self.alpha }
     }
 }

@@ -325,7 +325,7 @@ mod tests {
         let opacity = Opacity {
             mask_of_triangle: &[0, Opacity::NO_MASK].repeat(2500),
             masks: &[mask],
-            uv: &[[[0.0, 0.0], [3.0, 1.0], [1.0, 2.0]]; 5000],
+            uv: &vec![[[0.0, 0.0], [3.0, 1.0], [1.0, 2.0]]; 5000],
             alpha: &[255, 0, 0, 255],
         };
         let solid = Geometry {
