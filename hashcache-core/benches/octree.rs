@@ -184,7 +184,7 @@ fn lookups(c: &mut Criterion) {
     let finest = octree.level_range(0).len();
     println!(
         "{finest} cells on the finest level of {resolution}: {:.3} bytes a cell",
-        octree.statistics(0, 40).table_bytes as f64 / finest as f64
+        octree.statistics(0, 48).table_bytes as f64 / finest as f64
     );
     let group = "octree/lookup";
     let id = |name: &str| BenchmarkId::new(name, resolution);

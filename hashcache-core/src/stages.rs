@@ -16,7 +16,7 @@ use crate::traits::RayCaster;
 /// | 0..12 | `direct` | rgb |
 /// | 12..16 | `direct[3]` | number of samples |
 /// | 16..28 | `further` | rgb |
-/// | 28..32 | `further[3]` | 0 |
+/// | 28..32 | `further[3]` | variance of the luminance, 0: not known |
 ///
 /// The same bytes in WGSL: `HcEstimateRecord` of [`crate::wgsl::RECORD`].
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -24,7 +24,8 @@ use crate::traits::RayCaster;
 pub struct EstimateRecord {
     /// Illumination by emitters seen directly; w: number of samples behind the answer (0: the vertex's own value).
     pub direct: [f32; 4],
-    /// Illumination that arrived after a further scattering; w is 0.
+    /// Illumination that arrived after a further scattering; w: variance of the luminance of all of it, 0 where it is not
+    /// known.
     pub further: [f32; 4],
 }
 

@@ -104,6 +104,9 @@ pub struct Estimate {
     pub further: Vec3,
     /// Number of samples behind the answer; 0: the cache had none, and the vertex's own value was returned.
     pub samples: u32,
+    /// Variance of the luminance of `direct` and `further` together, as an estimate of the light there: its error squared,
+    /// from the noise of the samples behind it. 0: not known.
+    pub variance: f32,
 }
 
 /// A store of illumination at path vertices, for host programs that bring their own loop.
@@ -139,7 +142,8 @@ pub struct Estimate {
 ///
 ///     fn estimate(&self, _: &VertexRecord) -> Estimate {
 ///         let (sum, samples) = self.shown;
-///         Estimate { direct: Vec3::ZERO, further: Vec3::X * mean(self.quantum, sum, samples), samples }
+///         let further = Vec3::X * mean(self.quantum, sum, samples);
+///         Estimate { direct: Vec3::ZERO, further, samples, variance: 0.0 }
 ///     }
 ///
 ///     fn end_frame(&mut self) {

@@ -13,3 +13,5 @@ mod lookups;
 mod model;
 #[path = "octree_data/room.rs"]
 mod room;
+#[path = "octree_data/scatter.rs"]
+mod scatter;

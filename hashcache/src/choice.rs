@@ -94,7 +94,7 @@ choice! {
 choice! {
     /// What an octree's cell stores.
     OctreeLayout {
-        /// 40 bytes; means that do not drift.
+        /// 48 bytes; means that do not drift, and their scatter.
         Exact = "exact",
         /// 24 bytes; half floats, which drift.
         Paper = "paper",

@@ -69,21 +69,29 @@ pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Res
         },
         ..WeightSettings::PAPER
     };
-    let of = |radius: f32, by_samples: f32| -> Result<Filter, ParamError> {
+    // The octree tells how noisy its answers are.
+    let wide = settings.cache == CacheKind::Octree && settings.filter_wide_radius > 0.0;
+    let of = |radius: f32, by_samples: f32, wide: bool| -> Result<Filter, ParamError> {
         let passes = settings.filter_passes;
         Ok(match settings.denoiser {
             DenoiserKind::ATrous => Filter::ATrous(ATrous::new(&weights, Taps::Nine, passes)?),
             DenoiserKind::CrossBilateral => {
                 let filter = CrossBilateral::new(&weights, radius, passes, settings.seed)?;
-                Filter::CrossBilateral(filter.with_radius_by_samples(by_samples)?)
+                let filter = filter.with_radius_by_samples(by_samples)?;
+                let (radius, samples) = (settings.filter_wide_radius, settings.filter_wide_samples);
+                Filter::CrossBilateral(if wide {
+                    filter.with_wide_pass(&weights, radius, samples, settings.filter_significance)?
+                } else {
+                    filter
+                })
             }
         })
     };
     // Without a cache the samples behind a pixel's light are its own; a cache tells how many its cells have.
     let share = if settings.cache == CacheKind::None { samples.max(1) as f32 } else { 1.0 };
     Ok(Filters {
-        further: of(settings.filter_radius, settings.filter_samples / share)?,
-        direct: of(settings.filter_direct_radius, 0.0)?,
-        carried: of(settings.filter_radius, settings.filter_samples)?,
+        further: of(settings.filter_radius, settings.filter_samples / share, wide)?,
+        direct: of(settings.filter_direct_radius, 0.0, false)?,
+        carried: of(settings.filter_radius, settings.filter_samples, false)?,
     })
 }

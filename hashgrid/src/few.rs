@@ -295,6 +295,6 @@ pub fn estimate_by<L: Layout, S: Search>(
         counters.coarser += u64::from(is_coarser);
         let direct = Vec3::from_array(sums.mean_direct(params.quantum()));
         let further = Vec3::from_array(sums.mean_further(params.quantum()));
-        answer(i, Estimate { direct, further, samples: sums.count });
+        answer(i, Estimate { direct, further, samples: sums.count, variance: 0.0 });
     }
 }

@@ -84,7 +84,7 @@ impl RadianceCache for OwnedGrid {
 
     fn estimate(&self, vertex: &VertexRecord) -> Estimate {
         let mut counters = Counters::default();
-        let mut estimate = Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 };
+        let mut estimate = Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0, variance: 0.0 };
         let vertex = slice::from_ref(vertex);
         estimate_vertices(&self.table(), &self.params, vertex, &mut counters, |_, found| estimate = found);
         add_counters(&self.counters, &counters);

@@ -128,7 +128,7 @@ pub fn estimate_similar<L: Layout>(
         counters.hits += 1;
         let direct = Vec3::from_array(sums.mean_direct(params.quantum()));
         let further = Vec3::from_array(sums.mean_further(params.quantum()));
-        answer(i, Estimate { direct, further, samples: sums.count });
+        answer(i, Estimate { direct, further, samples: sums.count, variance: 0.0 });
     }
 }
 

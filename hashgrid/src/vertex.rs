@@ -286,6 +286,7 @@ fn estimate_cell<L: Layout>(
         direct: Vec3::from_array(cell.mean_direct(params.quantum())),
         further: Vec3::from_array(cell.mean_further(params.quantum())),
         samples: cell.count,
+        variance: 0.0,
     })
 }
 
@@ -296,7 +297,7 @@ pub(crate) fn own_value(vertex: &VertexRecord, counters: &mut Counters) -> Estim
             if c.is_finite() { c } else { 0.0 }
         }))
     };
-    Estimate { direct: finite(vertex.direct), further: finite(vertex.further), samples: 0 }
+    Estimate { direct: finite(vertex.direct), further: finite(vertex.further), samples: 0, variance: 0.0 }
 }
 
 /// Adds counters to shared ones, a word each as in [`Counters::words`].

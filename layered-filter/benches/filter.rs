@@ -59,7 +59,7 @@ fn sample(x: u32, y: u32, sample: u32) -> (VertexRecord, Estimate) {
         ..VertexRecord::zeroed()
     };
     let samples = if c > 0.02 { (c * 100.0) as u32 } else { 0 };
-    (record, Estimate { direct: Vec3::ZERO, further: Vec3::new(light, light * 0.8, 0.5), samples })
+    (record, Estimate { direct: Vec3::ZERO, further: Vec3::new(light, light * 0.8, 0.5), samples, variance: 0.0 })
 }
 
 struct Case {

@@ -227,9 +227,9 @@ fn add_sample<'a>(
     pixel: &mut LayerPixel,
 ) -> Option<(&'a VertexRecord, bool)> {
     let (record, estimate) = (records.get(params.record_of(item))?, estimates.get(params.estimate_of(item))?);
-    let EstimateRecord { direct: [r, g, b, samples], further: [x, y, z, _] } = *estimate;
-    let estimate =
-        Estimate { direct: Vec3::new(r, g, b), further: Vec3::new(x, y, z), samples: samples.max(0.0) as u32 };
+    let EstimateRecord { direct: [r, g, b, samples], further: [x, y, z, variance] } = *estimate;
+    let (direct, further) = (Vec3::new(r, g, b), Vec3::new(x, y, z));
+    let estimate = Estimate { direct, further, samples: samples.max(0.0) as u32, variance };
     Some((record, pixel.add(params, record, &estimate)))
 }
 
@@ -243,7 +243,8 @@ fn prepare(launch: &mut Launch<'_>) {
         guides[k] = PreparedGuide::of_pixel(scale, pixel);
         direct[k] = pixel.direct_light();
         further[k] = pixel.further_light();
-        let [samples, vertices, holes, left_out] = pixel.counts.map(u64::from);
+        let [samples, vertices, holes, _] = pixel.counts.map(u64::from);
+        let left_out = u64::from(pixel.left_out());
         counters.samples += samples;
         counters.vertices += vertices;
         counters.holes += holes;

@@ -19,7 +19,8 @@
 //!         flags: VertexRecord::VALID | VertexRecord::VISIBLE_ONLY,
 //!         ..VertexRecord::zeroed()
 //!     };
-//!     pixel.add(&params, &vertex, &Estimate { direct: Vec3::ZERO, further: Vec3::splat(light), samples: 1 });
+//!     let further = Vec3::splat(light);
+//!     pixel.add(&params, &vertex, &Estimate { direct: Vec3::ZERO, further, samples: 1, variance: 0.0 });
 //! }
 //! let scale = GuideScale::new(10.0)?;
 //! let guides = pixels.each_ref().map(|pixel| PreparedGuide::of_pixel(&scale, pixel));
@@ -43,6 +44,9 @@
 //!   [`WeightSettings::surface`] those with the least error on a cache's light.
 //! - **Denoiser**: a trait; one call is one pixel of one pass, a pure function. [`CrossBilateral`] has 24 taps in a turned
 //!   sparse disc whose radius may follow the number of samples behind a pixel; [`ATrous`] is an edge-avoiding wavelet.
+//! - **Wide pass** ([`CrossBilateral::with_wide_pass`]): what a cache answers is noisy at the scale of its cells, many
+//!   pixels wide. Where it tells the variance of its answers, a pass of half the taps first mixes pixels far apart that
+//!   differ by no more than their noise, and leaves differences that are significant alone.
 //! - **Holes**: vertices that a cache had no answer for. They are filled from like neighbours and counted ([`mod@fill`]).
 //! - **Layers** ([`layers`]): the deepest bounce is filtered first, carried to the vertex in front, and so on. A mirror's
 //!   picture is so filtered by what is seen in it. [`compose_screen`] is the same with the first vertex's guides only.
@@ -78,14 +82,16 @@
 //! # Limits today
 //! - Guides are means over a pixel's samples: a pixel that shows two surfaces resembles neither and mixes with few.
 //! - Each pass takes its values for independent, so the variance that it passes on is too small where noise is shared:
-//!   after a first pass, and between pixels that read one cache cell.
+//!   after a first pass, and between pixels that read one cache cell. So only a first pass may rely on it: the wide one.
+//! - The wide pass keeps differences of light that are significant. What is not, it blurs: a faint shadow in a cache's first
+//!   frames comes out with the frames after.
 //! - Whether a sample goes on by reflection or by refraction is noise that no layer filters: it is in the throughput.
 //! - Sums are f32: 10⁵ samples are exact to about 10⁻⁵.
 //! - Light above 2¹⁰⁰ counts as none. No WGSL twins yet.
 //!
 //! # Sources
 //! Keys of `REFERENCES.md`: Roth et al. 2020, section 3.4 (layers, weights); Laine & Karras 2011b (sparse taps); Vogel 1979
-//! (their spiral); Dammertz et al. 2010 and Schied et al. 2017 (wavelet, variance).
+//! (their spiral); Rousselle et al. 2012 (differences over their variance); Dammertz et al. 2010 and Schied et al. 2017 (wavelet, variance).
 #![no_std]
 
 #[cfg(feature = "alloc")]

@@ -48,7 +48,8 @@ impl<'a> Mean<'a> {
         let lights = Mat4::from_cols(a, b, c, d).transpose();
         let (r, g, b, variance) = (lights.x_axis, lights.y_axis, lights.z_axis, lights.w_axis);
         let luminance = r * 0.2126 + g * 0.7152 + b * 0.0722;
-        let weight = self.weights.guides_of_four(self.guide, guides) * self.around.weight_of_four(luminance) * factor;
+        let weight =
+            self.weights.guides_of_four(self.guide, guides) * self.around.weight_of_four(luminance, variance) * factor;
         // All false for NaN.
         let valid = variance.cmpge(Vec4::ZERO) & luminance.abs().cmple(Vec4::splat(LARGEST)) & weight.cmpgt(Vec4::ZERO);
         // What is left out must not reach a product: 0·∞ is NaN.

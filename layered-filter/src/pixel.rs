@@ -108,13 +108,13 @@ impl GatherParams {
 /// | bytes | field | xyz | w |
 /// |---|---|---|---|
 /// | 0..16 | `direct` | Σ C·E of direct light | Σ Y(E)² |
-/// | 16..32 | `further` | Σ C·E of the cache's light (all light, when none is apart) | Σ Y(E)² |
+/// | 16..32 | `further` | Σ C·E of the cache's light (all light, when none is apart) | Σ Y(E)², or of the variances told |
 /// | 32..48 | `throughput` | Σ C of vertices | Σ Y(E) of direct light |
 /// | 48..64 | `answered` | Σ C of vertices with an answer | Σ Y(E) of the cache's light |
 /// | 64..80 | `emitted` | Σ emitted | Σ samples behind the answers |
 /// | 80..96 | `normal` | Σ normal | number of answers |
 /// | 96..112 | `position` | Σ position | Σ path length |
-/// | 112..128 | `counts` | samples, vertices, holes | values left out |
+/// | 112..128 | `counts` | samples, vertices, holes | values left out; bit 31: [`LayerPixel::TOLD`] |
 ///
 /// Sums are f32: after n samples they are off by about √n·2⁻²⁵ of themselves (10⁻⁵ after 10⁵ samples).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -122,7 +122,7 @@ impl GatherParams {
 pub struct LayerPixel {
     /// Σ C·E of light traced directly; w: Σ Y(E)².
     pub direct: [f32; 4],
-    /// Σ C·E of the cache's light; w: Σ Y(E)².
+    /// Σ C·E of the cache's light; w: Σ Y(E)², or the sum of the variances that the cache told.
     pub further: [f32; 4],
     /// Σ C over the vertices; w: Σ Y(E) of `direct`.
     pub throughput: [f32; 4],
@@ -135,21 +135,25 @@ pub struct LayerPixel {
     /// Σ of positions in scene units; w: Σ of path lengths.
     pub position: [f32; 4],
     /// Number of samples, of vertices among them, of holes among those, and of values that were left out because they
-    /// were NaN, infinite or negative.
+    /// were NaN, infinite or negative, with [`LayerPixel::TOLD`].
     pub counts: [u32; 4],
 }
 
 impl LayerPixel {
+    /// Bit of the last count: the cache told variances ([`Estimate::variance`]), and what stands in place of Σ Y(E)² is their
+    /// sum. An answer without one among them adds Y(E)², more than its variance as a rule.
+    pub const TOLD: u32 = 1 << 31;
+
     /// Adds a sample. Values that are NaN, infinite or negative are left out and counted; returns whether all were fine.
     #[inline]
     pub fn add(&mut self, params: &GatherParams, record: &VertexRecord, estimate: &Estimate) -> bool {
-        let before = self.counts[3];
+        let before = self.left_out();
         self.counts[0] = self.counts[0].saturating_add(1);
         self.add_emitted(record);
         if record.is_valid() {
             self.add_vertex(params, record, estimate);
         }
-        self.counts[3] == before
+        self.left_out() == before
     }
 
     #[inline]
@@ -194,7 +198,10 @@ impl LayerPixel {
             self.counts[2] = self.counts[2].saturating_add(1);
         } else if is_light(light) {
             let y = luminance(light);
-            accumulate(&mut self.further, c * light, y * y);
+            // False for NaN.
+            let told = estimate.variance > 0.0;
+            self.counts[3] |= if told { Self::TOLD } else { 0 };
+            accumulate(&mut self.further, c * light, if told { estimate.variance } else { y * y });
             accumulate(&mut self.answered, c, y);
             self.normal[3] += 1.0;
             self.emitted[3] += estimate.samples as f32;
@@ -204,7 +211,14 @@ impl LayerPixel {
     }
 
     fn leave_out(&mut self) {
-        self.counts[3] = self.counts[3].saturating_add(1);
+        let most = Self::TOLD - 1;
+        self.counts[3] += u32::from(self.left_out() < most);
+    }
+
+    /// Number of values that were left out because they were NaN, infinite or negative.
+    #[inline]
+    pub const fn left_out(&self) -> u32 {
+        self.counts[3] & !Self::TOLD
     }
 
     /// Whether any sample met a vertex.
@@ -222,12 +236,20 @@ impl LayerPixel {
 
     /// Mean illumination by the cache, weighted by throughput, and the variance of that mean's luminance;
     /// a hole ([`HOLE`]) when vertices were met and none got an answer.
+    ///
+    /// A variance that the cache told is the mean of its answers' variances and does not shrink with their number: answers
+    /// inside a pixel read the same cells. Else it is that of the answers among each other, taken as independent.
     #[inline]
     pub fn further_light(&self) -> Light {
         if self.has_vertex() && self.normal[3] == 0.0 {
             return [0.0, 0.0, 0.0, HOLE];
         }
-        mean_light(&self.further, &self.answered, self.normal[3])
+        let n = self.normal[3];
+        let mut light = mean_light(&self.further, &self.answered, n);
+        if self.counts[3] & Self::TOLD != 0 && n > 0.0 {
+            light[3] = self.further[3] / n;
+        }
+        light
     }
 
     /// Mean throughput over all samples, those without a vertex included: what the filtered illumination is

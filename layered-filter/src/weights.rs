@@ -30,11 +30,19 @@ pub enum LuminanceWeight {
         /// `s_l`: standard deviations at which the weight is 1/e, 10⁻³ to 10⁶.
         scale: f32,
     },
+    /// `w_l = exp(−(l_p − l_q)²/(s_l²·(σ_p² + σ_q²)))` by [`falloff`]: whether two pixels differ by more than their noise,
+    /// a test of significance. The same for both, so that neither draws the other's light. Where a variance is unknown,
+    /// everything is mixed.
+    Significance {
+        /// `s_l`: standard deviations of a difference at which the weight is 1/e, 10⁻³ to 10⁶.
+        scale: f32,
+    },
 }
 
 /// Values of [`Weights`]' field `luminance`; 0 is off.
 const BY_DIFFERENCE: u32 = 1;
 const BY_DEVIATION: u32 = 2;
+const BY_SIGNIFICANCE: u32 = 3;
 
 /// What the weights are made with. [`Weights::new`] checks it; the default has the values of the paper's evaluation.
 ///
@@ -163,6 +171,10 @@ impl Weights {
                 ParamError::check_range("luminance scale", f64::from(scale), 1e-3, 1e6)?;
                 (scale, 1.0, BY_DEVIATION)
             }
+            LuminanceWeight::Significance { scale } => {
+                ParamError::check_range("luminance scale", f64::from(scale), 1e-3, 1e6)?;
+                (scale, 1.0, BY_SIGNIFICANCE)
+            }
         };
         Ok(Self {
             normal_scale: s.normal_scale,
@@ -267,6 +279,13 @@ impl Weights {
                 let deviation = self.luminance_scale * float::sqrt(variance.max(0.0)) + floor;
                 LuminanceAround { luminance, factor: 1.0 / deviation, compare: Deviation }
             }
+            BY_SIGNIFICANCE => {
+                // The same floor; its square counts for each of both, so neither may be 0.
+                let floor = luminance.abs() * f32::EPSILON * 4.0 + LEAST_DEVIATION;
+                let square = self.luminance_scale * self.luminance_scale;
+                let own = square * variance.max(0.0) + floor * floor;
+                LuminanceAround { luminance, factor: square, compare: Significance(own) }
+            }
             BY_DIFFERENCE => {
                 let (factor, scale) = (self.luminance_kappa, self.luminance_scale);
                 LuminanceAround { luminance, factor, compare: Difference(scale) }
@@ -283,8 +302,13 @@ enum Compare {
     Deviation,
     /// With `s_l`.
     Difference(f32),
+    /// With `s_l`²·σ² of the pixel; the factor is `s_l`².
+    Significance(f32),
 }
-use Compare::{Deviation, Difference, Off};
+use Compare::{Deviation, Difference, Off, Significance};
+
+/// A deviation whose square is a normal number.
+const LEAST_DEVIATION: f32 = 1e-18;
 
 /// A pixel's luminance, ready to be compared with its neighbours'.
 #[derive(Clone, Copy, Debug)]
@@ -295,18 +319,25 @@ pub struct LuminanceAround {
 }
 
 impl LuminanceAround {
-    /// `w_l` for a neighbour's luminance, 0 to 1.
+    /// `w_l` for a neighbour's luminance and the variance of that, 0 to 1.
     #[inline]
-    pub fn weight(&self, luminance: f32) -> f32 {
-        self.weight_of_four(Vec4::splat(luminance)).x
+    pub fn weight(&self, luminance: f32, variance: f32) -> f32 {
+        self.weight_of_four(Vec4::splat(luminance), Vec4::splat(variance)).x
     }
 
-    /// [`LuminanceAround::weight`] of four luminances at once.
+    /// [`LuminanceAround::weight`] of four neighbours at once.
     #[inline(always)]
-    pub fn weight_of_four(&self, luminance: Vec4) -> Vec4 {
+    pub fn weight_of_four(&self, luminance: Vec4, variance: Vec4) -> Vec4 {
         match self.compare {
             Off => Vec4::ONE,
             Deviation => falloff_of_four((luminance - self.luminance).abs() * self.factor),
+            Significance(own) => {
+                let difference = luminance - self.luminance;
+                // Squares that leave the range are those of light beyond any noise; ∞/∞ is not.
+                let squares = (difference * difference).min(Vec4::splat(f32::MAX));
+                // A hole has a variance below 0.
+                falloff_of_four(squares / (variance.max(Vec4::ZERO) * self.factor + own))
+            }
             Difference(scale) => {
                 let difference = (luminance - self.luminance).abs() * self.factor;
                 // Saturates at 1 where Δl/(Δl+1) would be ∞/∞.

@@ -124,8 +124,8 @@ fn samples(layers: u32, count: u32) -> Vec<Sample> {
 }
 
 fn estimate(record: &EstimateRecord) -> Estimate {
-    let EstimateRecord { direct: [r, g, b, samples], further: [x, y, z, _] } = *record;
-    Estimate { direct: Vec3::new(r, g, b), further: Vec3::new(x, y, z), samples: samples as u32 }
+    let EstimateRecord { direct: [r, g, b, samples], further: [x, y, z, variance] } = *record;
+    Estimate { direct: Vec3::new(r, g, b), further: Vec3::new(x, y, z), samples: samples as u32, variance }
 }
 
 /// A layer's light by plain functions: holes filled, then filtered.

@@ -65,6 +65,7 @@ fn settings() -> Vec<WeightSettings> {
         surface,
         WeightSettings { luminance: LuminanceWeight::Deviation { scale: 4.0 }, ..surface },
         WeightSettings { luminance: LuminanceWeight::Deviation { scale: 1.0 }, position_scale: 10.0, ..paper },
+        WeightSettings { luminance: LuminanceWeight::Significance { scale: 2.0 }, ..surface },
         WeightSettings { luminance: LuminanceWeight::Difference { scale: 0.5, kappa: 1e-6 }, ..paper },
         WeightSettings { normal_scale: 0.0, ..paper },
     ]
@@ -76,7 +77,9 @@ fn denoisers() -> Vec<Box<dyn Denoiser>> {
     for settings in settings() {
         all.push(Box::new(CrossBilateral::new(&settings, 5.0, 2, 3).expect("settings of a test")));
         let wide = CrossBilateral::new(&settings, 9.0, 1, 3).expect("settings of a test");
-        all.push(Box::new(wide.with_radius_by_samples(400.0).expect("settings of a test")));
+        let by_samples = wide.with_radius_by_samples(400.0).expect("settings of a test");
+        all.push(Box::new(by_samples));
+        all.push(Box::new(by_samples.with_wide_pass(&settings, 20.0, 4000.0, 1.5).expect("settings of a test")));
         all.push(Box::new(ATrous::new(&settings, Taps::Nine, 4).expect("settings of a test")));
         all.push(Box::new(ATrous::new(&settings, Taps::TwentyFive, 3).expect("settings of a test")));
     }

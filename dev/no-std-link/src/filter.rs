@@ -25,7 +25,7 @@ pub fn run(checks: &mut Checks) {
     let Ok(scale) = GuideScale::new(4.0) else { return checks.that("GuideScale", false) };
 
     let mut pixel = LayerPixel::zeroed();
-    let estimate = Estimate { direct: Vec3::ZERO, further: Vec3::splat(0.5), samples: 8 };
+    let estimate = Estimate { direct: Vec3::ZERO, further: Vec3::splat(0.5), samples: 8, variance: 0.0 };
     let vertices: [VertexRecord; 4] = grid::vertices();
     let fine = vertices.iter().all(|vertex| pixel.add(&params, vertex, &estimate));
     checks.that(

@@ -82,7 +82,7 @@ fn owned(checks: &mut Checks) {
     let cell = octree.coordinates(Vec3::new(0.2, 0.3, 0.0));
     checks.that("Octree::cell", cell.and_then(|cell| octree.cell(0, cell)).is_some());
     checks.that("Octree::cell: none", octree.cell(0, [0; 3]).is_none());
-    let statistics = octree.statistics(0, 40);
+    let statistics = octree.statistics(0, 48);
     checks.that("Octree::statistics", statistics.cells > 1000 && statistics.table_bytes < 4 * 1500);
     cache(checks, built);
 }

@@ -147,7 +147,7 @@ impl<C: CellRecord> RadianceCache for OctreeCache<C> {
 
     fn estimate(&self, vertex: &VertexRecord) -> Estimate {
         let mut counters = Counters::default();
-        let mut estimate = Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 };
+        let mut estimate = Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0, variance: 0.0 };
         let (octree, vertex) = (self.octree.view(), slice::from_ref(vertex));
         estimate_vertices(&octree, &self.cells(), &self.params, vertex, &mut counters, |_, found| estimate = found);
         add_counters(&self.counters, &counters);

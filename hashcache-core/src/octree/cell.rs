@@ -12,10 +12,10 @@ use crate::pack::{half_from_f32, half_to_f32};
 /// How many bits a cell's means have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Layout {
-    /// [`ExactCell`], 40 bytes: f32 means, 2³⁰ samples a side.
+    /// [`ExactCell`], 48 bytes: f32 means and scatter, 2³⁰ samples a side.
     #[default]
     Exact,
-    /// [`PaperCell`], 24 bytes: half float means, 65535 samples a side.
+    /// [`PaperCell`], 24 bytes: half float means without their scatter, 65535 samples a side.
     Paper,
 }
 
@@ -126,6 +126,19 @@ pub trait CellRecord: Pod {
 
     /// Replaces one side's mean. `random` decides how it is rounded, a word a channel.
     fn put(&mut self, side: usize, quantum: Quantum, mean: [Sum; 3], count: u32, random: [u32; 3]);
+
+    /// Root of the mean square of one side's samples' luminance, in radiance; `None` in layouts that do not keep it.
+    #[inline]
+    fn root_mean_square(&self, side: usize) -> Option<f32> {
+        let _ = side;
+        None
+    }
+
+    /// Replaces it, in layouts that keep it.
+    #[inline]
+    fn put_root_mean_square(&mut self, side: usize, value: f32) {
+        let _ = (side, value);
+    }
 }
 
 /// Layout [`Layout::Exact`].
@@ -137,6 +150,10 @@ pub trait CellRecord: Pod {
 /// | 24..32 | `counts` | samples: front, back |
 /// | 32..36 | `normal` | octahedral, see [`crate::pack`] |
 /// | 36..40 | `wiped` | frame of the last wipe |
+/// | 40..48 | `scatter` | root mean square of luminance: front, back |
+///
+/// The root and not the square, so that it has the means' range; and rounded to nearest: it says how noisy a mean is,
+/// for which three digits do.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ExactCell {
@@ -148,6 +165,8 @@ pub struct ExactCell {
     pub normal: u32,
     /// Frame of the last wipe.
     pub wiped: u32,
+    /// Root mean squares of both sides' luminance, in radiance.
+    pub scatter: [f32; 2],
 }
 
 impl CellRecord for ExactCell {
@@ -155,7 +174,7 @@ impl CellRecord for ExactCell {
     const MAX_COUNT: u32 = MAX_DEPOSITS;
 
     fn empty(normal: u32, wiped: u32) -> Self {
-        Self { means: [[0.0; 3]; 2], counts: [0; 2], normal, wiped }
+        Self { means: [[0.0; 3]; 2], counts: [0; 2], normal, wiped, scatter: [0.0; 2] }
     }
 
     #[inline]
@@ -177,6 +196,16 @@ impl CellRecord for ExactCell {
     fn put(&mut self, side: usize, _: Quantum, mean: [Sum; 3], count: u32, random: [u32; 3]) {
         self.means[side] = core::array::from_fn(|c| mean[c].dither(random[c]));
         self.counts[side] = count;
+    }
+
+    #[inline]
+    fn root_mean_square(&self, side: usize) -> Option<f32> {
+        Some(self.scatter[side])
+    }
+
+    #[inline]
+    fn put_root_mean_square(&mut self, side: usize, value: f32) {
+        self.scatter[side] = value;
     }
 }
 
@@ -268,4 +297,4 @@ impl CellRecord for PaperCell {
     }
 }
 
-const _: () = assert!(size_of::<ExactCell>() == 40 && size_of::<PaperCell>() == 24);
+const _: () = assert!(size_of::<ExactCell>() == 48 && size_of::<PaperCell>() == 24);

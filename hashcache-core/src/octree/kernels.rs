@@ -187,7 +187,7 @@ fn lookup<C: CellRecord>(launch: &mut Launch<'_>) {
     estimate_vertices(&octree, cells, params, items(launch, 2), &mut counters, |i, estimate| {
         estimates[i] = EstimateRecord {
             direct: estimate.direct.extend(estimate.samples as f32).to_array(),
-            further: estimate.further.extend(0.0).to_array(),
+            further: estimate.further.extend(estimate.variance).to_array(),
         };
     });
     if counters.non_finite > 0 {

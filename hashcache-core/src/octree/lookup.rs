@@ -7,6 +7,7 @@ use super::cell::{CellRecord, Side};
 use super::cells::ReadCells;
 use super::merge::{BATCH, side_of};
 use super::params::{JITTER_BITS, Light, OctreeParams};
+use super::scatter::{Scatter, luminance};
 use super::view::Octree;
 use crate::counters::Counters;
 use crate::hash::pcg3d;
@@ -90,7 +91,10 @@ fn level_with(size: f32, share: u32, random: u32) -> u32 {
 /// weighs n against k of the level above, from the coarsest one read down: the estimate of a mean by its few samples and
 /// what is known about its surroundings (James & Stein 1961), without a border where the level changes.
 ///
-/// The mean comes as [`Estimate::further`], whatever light it is; [`Estimate::direct`] is 0. A vertex for which no
+/// The mean comes as [`Estimate::further`], whatever light it is; [`Estimate::direct`] is 0. [`Estimate::variance`] is that
+/// of the mean's luminance: the variance of single samples, as the coarsest level read tells it (the others' fewer
+/// samples say more about luck), over the samples that the levels' weights make use of. Layouts that keep no scatter
+/// take samples for as noisy as those of path traced light are as a rule: a standard deviation of twice the mean. A vertex for which no
 /// samples were found is a *hole*: it gets the light of its own that the cache would have recorded (0 for
 /// [`VertexRecord::VISIBLE_ONLY`]), with 0 samples, NaN and infinite channels replaced by 0; counted as a fallback.
 /// A vertex without [`VertexRecord::VALID`] gets 0, uncounted.
@@ -123,7 +127,7 @@ pub fn estimate_vertices<C: CellRecord>(
             let estimate = if vertex.is_valid() {
                 conclude(params, vertex, &asked[i], &blends[i], counters)
             } else {
-                Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 }
+                Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0, variance: 0.0 }
             };
             answer(b * BATCH + i, estimate);
         }
@@ -155,7 +159,7 @@ fn ask_level<C: CellRecord>(
     for (index, place) in indices.iter_mut().zip(places) {
         *index = place.and_then(|(place, bit)| octree.entry(place).index(bit));
     }
-    let mut here = [Side::default(); BATCH];
+    let mut here = [Found::default(); BATCH];
     for ((to, index), &i) in here.iter_mut().zip(indices).zip(open.iter()) {
         if let Some(cell) = index {
             *to = side_in(params, &cells.get(cell), batch[i].normal);
@@ -168,7 +172,7 @@ fn ask_level<C: CellRecord>(
         let i = open[k];
         let (question, level) = (&asked[i], asked[i].first + step);
         let mut side = here[k];
-        if side.count == 0 {
+        if side.side.count == 0 {
             let cell = question.plain(octree, level).and_then(|cell| octree.cell(level, cell));
             if let Some(cell) = cell {
                 counters.probes += 1;
@@ -196,11 +200,12 @@ fn conclude(
 ) -> Estimate {
     if blend.most == 0 {
         counters.fallbacks += 1;
-        return Estimate { direct: Vec3::ZERO, further: own_light(params, vertex, counters), samples: 0 };
+        let further = own_light(params, vertex, counters);
+        return Estimate { direct: Vec3::ZERO, further, samples: 0, variance: 0.0 };
     }
     counters.hits += 1;
     counters.coarser += u64::from(blend.level > question.nearest);
-    Estimate { direct: Vec3::ZERO, further: blend.mean(), samples: blend.samples }
+    Estimate { direct: Vec3::ZERO, further: blend.mean(), samples: blend.samples, variance: blend.variance() }
 }
 
 /// What a lookup makes of the levels it reads, finest first.
@@ -209,6 +214,8 @@ struct Blend {
     sum: Vec3,
     left: f32,
     coarsest: Vec3,
+    /// What the levels' shares make of the variance of a sample, and of which level that is taken.
+    noise: Scatter,
     /// Most samples of a level so far.
     most: u32,
     /// Samples and level of the answer.
@@ -217,19 +224,24 @@ struct Blend {
 }
 
 impl Blend {
-    const NONE: Self = Self { sum: Vec3::ZERO, left: 1.0, coarsest: Vec3::ZERO, most: 0, samples: 0, level: 0 };
+    const NONE: Self =
+        Self { sum: Vec3::ZERO, left: 1.0, coarsest: Vec3::ZERO, noise: Scatter::NONE, most: 0, samples: 0, level: 0 };
 
     /// With shrinkage k, a side of n samples keeps the share n/(n+k) of what finer ones left; without, the side with the
     /// most samples has it all.
     #[inline]
-    fn add(&mut self, shrinkage: f32, side: &Side, level: u32) {
+    fn add(&mut self, shrinkage: f32, found: &Found, level: u32) {
+        let side = &found.side;
         if side.count == 0 {
             return;
         }
         let mean = Vec3::from_array(side.mean);
+        let relative = Scatter::relative(luminance(mean), found.scatter, side.count);
         if shrinkage == 0.0 {
             if side.count > self.most {
                 (self.coarsest, self.samples, self.level) = (mean, side.count, level);
+                self.noise = Scatter::NONE;
+                self.noise.add(0.0, luminance(mean), relative, side.count);
             }
         } else {
             if self.most == 0 {
@@ -237,6 +249,7 @@ impl Blend {
             }
             let share = side.count as f32 / (side.count as f32 + shrinkage);
             self.sum += mean * (self.left * share);
+            self.noise.add(self.left * share, luminance(mean), relative, side.count);
             self.left *= 1.0 - share;
             self.coarsest = mean;
         }
@@ -247,15 +260,30 @@ impl Blend {
     fn mean(&self) -> Vec3 {
         self.sum + self.coarsest * self.left
     }
+
+    /// The variance of the mean's luminance.
+    #[inline]
+    fn variance(&self) -> f32 {
+        self.noise.variance(self.left)
+    }
+}
+
+/// A side that a lookup found.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    side: Side,
+    /// Root mean square of its luminance, where the layout keeps it.
+    scatter: Option<f32>,
 }
 
 /// The side of a cell that a normal points to; empty when the cell was not touched since the last wipe.
 #[inline]
-fn side_in<C: CellRecord>(params: &OctreeParams, cell: &C, normal: u32) -> Side {
+fn side_in<C: CellRecord>(params: &OctreeParams, cell: &C, normal: u32) -> Found {
     if cell.wiped() == params.wiped() {
-        cell.side(side_of(octahedral_decode_int(cell.normal()), normal), params.quantum())
+        let side = side_of(octahedral_decode_int(cell.normal()), normal);
+        Found { side: cell.side(side, params.quantum()), scatter: cell.root_mean_square(side) }
     } else {
-        Side::default()
+        Found::default()
     }
 }
 

@@ -8,7 +8,8 @@ use super::params::OctreeParams;
 use super::sample::{Sample, same_cell};
 use super::view::{NO_CELL, Octree};
 use crate::counters::Counters;
-use crate::exact::mean;
+use crate::exact::{Quantum, mean};
+use crate::float;
 use crate::hash::pcg4d;
 use crate::pack::octahedral_decode_int;
 
@@ -116,6 +117,7 @@ fn merge_run<C: CellRecord>(cell: &mut C, params: &OctreeParams, index: u32, run
     let normal = octahedral_decode_int(cell.normal());
     // All of them, and those behind: sums in registers, without a branch on a side that is random.
     let (mut all, mut behind, mut back) = ([0_u64; 3], [0_u64; 3], 0);
+    let (mut all_squares, mut behind_squares) = (0_u128, 0_u128);
     for sample in run {
         let side = side_of(normal, sample.normal()) as u64;
         let sums = sample.sums();
@@ -123,18 +125,55 @@ fn merge_run<C: CellRecord>(cell: &mut C, params: &OctreeParams, index: u32, run
             all[c] += sums[c];
             behind[c] += sums[c] & side.wrapping_neg();
         }
+        let square = square_of_luminance(sums);
+        all_squares += square;
+        behind_squares += square & u128::from(side).wrapping_neg();
         back += side;
     }
     let sums = [[0, 1, 2].map(|c| all[c] - behind[c]), behind];
+    let squares = [all_squares - behind_squares, behind_squares];
     let counts = [run.len() as u32 - back as u32, back as u32];
     for side in [FRONT, BACK] {
         if counts[side] > 0 {
-            merge_side(cell, params, side, sums[side], counts[side], [params.seed(), index * 2 + side as u32]);
+            let random = [params.seed(), index * 2 + side as u32];
+            merge_side(cell, params, side, sums[side], squares[side], counts[side], random);
         }
     }
 }
 
-/// Moves one side's mean by a frame's `count` samples that sum to `sums`.
+/// Rec. 709's weights of red, green and blue, in 65536ths: 0.2126, 0.7152, 0.0722.
+const LUMINANCE: [u64; 3] = [13_933, 46_871, 4_732];
+
+/// Fixed point of a luminance beyond whole quanta.
+const LUMINANCE_BITS: u32 = 8;
+
+/// The square of a sample's luminance in 2⁻¹⁶ quanta², exact: at most 2⁸⁴, so that 2²⁸ samples stay below 2¹²⁸.
+#[inline]
+fn square_of_luminance(sums: [u64; 3]) -> u128 {
+    let [r, g, b] = [0, 1, 2].map(|c| sums[c] * LUMINANCE[c]);
+    let luminance = u128::from((r + g + b) >> (16 - LUMINANCE_BITS));
+    luminance * luminance
+}
+
+/// Root of the mean of `count` squares of luminance, in radiance.
+#[inline]
+fn root_mean_square(quantum: Quantum, squares: u128, count: u32) -> f32 {
+    float::sqrt(squares as f32 / count as f32) * (quantum.quantum() * (1.0 / (1 << LUMINANCE_BITS) as f32))
+}
+
+/// The root mean square of all when `new` has the share `weight` and `old` the rest. By ratios to the larger one: squares
+/// of radiance would leave the range of f32.
+#[inline]
+fn blend_squares(old: f32, new: f32, weight: f32) -> f32 {
+    let largest = old.max(new);
+    if largest == 0.0 {
+        return 0.0;
+    }
+    let (old, new) = (old / largest, new / largest);
+    largest * float::sqrt(old * old + (new * new - old * old) * weight)
+}
+
+/// Moves one side's mean by a frame's `count` samples that sum to `sums`, with `squares` of luminance.
 ///
 /// mean + (frame's mean − mean)·w with w = `count` / (all samples), the sum rounded by chance: with rounding to nearest,
 /// a mean stops moving once its steps are below half a unit in its last place.
@@ -144,6 +183,7 @@ fn merge_side<C: CellRecord>(
     params: &OctreeParams,
     side: usize,
     sums: [u64; 3],
+    squares: u128,
     count: u32,
     random: [u32; 2],
 ) {
@@ -160,4 +200,8 @@ fn merge_side<C: CellRecord>(
     });
     let [r, g, b, _] = pcg4d([random[0], random[1], before, count]);
     cell.put(side, quantum, moved, all.min(most), [r, g, b]);
+    if let Some(old) = cell.root_mean_square(side) {
+        let new = root_mean_square(quantum, squares, count);
+        cell.put_root_mean_square(side, if before == 0 { new } else { blend_squares(old, new, weight) });
+    }
 }

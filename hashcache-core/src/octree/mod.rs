@@ -19,19 +19,19 @@
 //! [`build_within`] chooses the largest resolution for an amount of memory.
 //!
 //! # Light
-//! A cell keeps the running mean of its samples for each of its two sides ([`ExactCell`], 40 bytes; [`PaperCell`], 24 bytes,
-//! with its drift). In a frame, path vertices become [samples](Sample) of 24 bytes; at its end these are sorted by place,
+//! A cell keeps the running mean of its samples for each of its two sides ([`ExactCell`], 48 bytes, with their scatter;
+//! [`PaperCell`], 24 bytes, with its drift). In a frame, path vertices become [samples](Sample) of 24 bytes; at its end these are sorted by place,
 //! so that those of a cell stand together on every level, are summed in whole quanta, and each touched cell of each level,
 //! up to the root, moves its mean once ([`merge_samples`]). [Lookups](estimate_vertices) read the level whose cells suit
 //! the footprint, at a jittered place, and climb where samples are few. A wipe is a number: cells that have another
 //! count as empty. [`OctreeCache`] is all that with its own memory; `kernels` and `OctreeStages` are for launchers.
 //!
 //! # Memory
-//! Data, a cell: 40 or 24 bytes; an open frame, a record: 56 (keys, order, samples, and samples in order), 24 in
-//! [`OctreeCache`]. A million cells and frames of 150 thousand records: 40 MB and 8.4 MB.
+//! Data, a cell: 48 or 24 bytes; an open frame, a record: 56 (keys, order, samples, and samples in order), 24 in
+//! [`OctreeCache`]. A million cells and frames of 150 thousand records: 48 MB and 8.4 MB.
 //!
 //! A block takes 12 / 0.9 = 13.3 bytes and has about nine cells where surfaces are smooth: 1.4 bytes a cell, 3.4 at
-//! worst with four cells a block; the normal takes 4, the data 40 or 24. While building, 16 to 32 bytes a block and four a
+//! worst with four cells a block; the normal takes 4, the data 48 or 24. While building, 16 to 32 bytes a block and four a
 //! triangle come on top of tables and normals, before any data is there. The country kitchen (1,050,941 triangles) at a
 //! resolution of 2048: 35.2 million cells, 49 MB of tables, 141 MB of normals, 221 MB at the peak.
 //!
@@ -66,6 +66,7 @@ mod lookup;
 mod merge;
 mod params;
 mod sample;
+mod scatter;
 pub mod table;
 mod tally;
 mod view;

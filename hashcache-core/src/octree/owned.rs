@@ -27,7 +27,7 @@ pub struct BuildSettings {
 
 impl Default for BuildSettings {
     fn default() -> Self {
-        Self { resolution: 512, cell_bytes: 40, max_bytes: 4 << 30 }
+        Self { resolution: 512, cell_bytes: 48, max_bytes: 4 << 30 }
     }
 }
 

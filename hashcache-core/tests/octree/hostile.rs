@@ -90,14 +90,15 @@ fn triangles_larger_than_the_grid_are_cut_off() {
 fn what_does_not_fit_is_refused_with_its_size() {
     let scene = sheet(20);
     let settings = |resolution, max_bytes| BuildSettings { resolution, max_bytes, ..BuildSettings::default() };
+    let cell_bytes = BuildSettings::default().cell_bytes;
     let triangles = Triangles::new(&scene.geometry()).expect("triangles");
     let bytes_at = |resolution| {
         let built = build(&scene.geometry(), &settings(resolution, u64::MAX), &Serial).expect("fits");
-        built.bytes() + 40 * u64::from(built.view().cells())
+        built.bytes() + u64::from(cell_bytes) * u64::from(built.view().cells())
     };
     for resolution in [64, 512] {
         let bytes = bytes_at(resolution);
-        let predicted = predict_bytes(&triangles, resolution, 40, &Serial).expect("a scene");
+        let predicted = predict_bytes(&triangles, resolution, cell_bytes, &Serial).expect("a scene");
         let error = (predicted as f64 / bytes as f64 - 1.0).abs();
         assert!(error < if resolution <= 256 { 0.001 } else { 0.15 }, "{predicted} of {bytes}");
         assert!(build(&scene.geometry(), &settings(resolution, bytes), &Serial).is_ok());

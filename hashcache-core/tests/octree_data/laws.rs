@@ -141,6 +141,7 @@ fn survives<C: CellRecord>(light: Light) {
                 cache.record(&vertex);
                 let estimate = cache.estimate(&vertex);
                 assert!(estimate.further.is_finite(), "{vertex:?}: {estimate:?}");
+                assert!((0.0..=f32::MAX).contains(&estimate.variance), "{vertex:?}: {estimate:?}");
             }
             cache.end_frame();
         }
@@ -153,6 +154,8 @@ fn survives<C: CellRecord>(light: Light) {
             for side in [0, 1] {
                 let mean = cache.cell(index).side(side, settings.quantum).mean;
                 assert!(mean.iter().all(|v| (0.0..=clamp).contains(v)), "{mean:?}");
+                let scatter = cache.cell(index).root_mean_square(side).unwrap_or(0.0);
+                assert!((0.0..=clamp * 1.001).contains(&scatter), "{scatter}");
             }
         }
     }
@@ -279,7 +282,7 @@ fn threads_may_share_the_samples() {
     let words: Vec<_> = owned
         .normals
         .iter()
-        .flat_map(|normal| bytemuck::cast::<_, [u32; 10]>(ExactCell::empty(*normal, 0)).map(AtomicU32::new))
+        .flat_map(|normal| bytemuck::cast::<_, [u32; 12]>(ExactCell::empty(*normal, 0)).map(AtomicU32::new))
         .collect();
     let cells = SharedCells::<ExactCell>::new(&words);
     let shared = [const { AtomicU32::new(0) }; COUNTER_WORDS];

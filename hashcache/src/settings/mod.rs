@@ -101,6 +101,13 @@ pub struct Settings {
     pub filter_radius: f32,
     /// `filter.samples`: the radius is √(this / samples behind a pixel's light), up to `filter.radius`; 0: always that.
     pub filter_samples: f32,
+    /// `filter.wide_radius`: farthest tap of the pass that comes before, over the octree's light, and mixes what differs by no
+    /// more than its noise, in pixels; 0: no such pass.
+    pub filter_wide_radius: f32,
+    /// `filter.wide_samples`: that radius is √(this / samples behind a pixel's light), up to `filter.wide_radius`; 0: always that.
+    pub filter_wide_samples: f32,
+    /// `filter.significance`: standard deviations of a difference of light at which that pass mixes 1/e.
+    pub filter_significance: f32,
     /// `filter.direct_radius`: the radius over direct light that is traced, in pixels.
     pub filter_direct_radius: f32,
     /// `filter.luminance`: fall with the difference of light, in standard deviations of a pixel's mean; 0: off.
@@ -180,8 +187,11 @@ impl Default for Settings {
             filter_layers: 4,
             denoiser: DenoiserKind::CrossBilateral,
             filter_passes: 1,
-            filter_radius: 10.0,
+            filter_radius: 8.0,
             filter_samples: 600.0,
+            filter_wide_radius: 24.0,
+            filter_wide_samples: 5000.0,
+            filter_significance: 2.0,
             filter_direct_radius: 2.0,
             filter_luminance: 0.0,
             filter_normal: 3,

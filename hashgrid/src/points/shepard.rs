@@ -101,5 +101,5 @@ fn interpolate<L: Layout>(
     }
     let mean = light.map(|sum| (sum / weights) as f32 * quantum.quantum());
     let [a, b, c, d, e, f] = mean;
-    Some(Estimate { direct: Vec3::new(a, b, c), further: Vec3::new(d, e, f), samples })
+    Some(Estimate { direct: Vec3::new(a, b, c), further: Vec3::new(d, e, f), samples, variance: 0.0 })
 }

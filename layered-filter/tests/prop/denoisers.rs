@@ -191,10 +191,68 @@ fn discs_shrink_as_samples_grow() {
     let filter = fixed.with_radius_by_samples(400.0).unwrap();
     for (support, radius) in [(0.0, 8.0), (f32::NAN, 8.0), (1.0, 8.0), (25.0, 4.0), (400.0, 1.0), (f32::INFINITY, 1.0)]
     {
-        assert_eq!(filter.radius(support), radius);
-        assert_eq!(fixed.radius(support), 8.0);
+        assert_eq!(filter.radius(0, support), radius);
+        assert_eq!(fixed.radius(0, support), 8.0);
     }
     let farthest = |radius| filter.taps(0, 9, 9, radius).map(|(dx, dy)| dx.abs().max(dy.abs())).max();
     assert_eq!((farthest(1.0), farthest(4.0), farthest(8.0)), (Some(1), Some(4), Some(8)));
     assert!(fixed.with_radius_by_samples(-1.0).is_err());
+
+    // A wide pass before the other has a radius of its own, and its taps fill it though they are fewer.
+    let surface = WeightSettings::surface(0.002);
+    let both = filter.with_wide_pass(&surface, 32.0, 1600.0, 1.0).unwrap();
+    assert_eq!([both.radius(0, 25.0), both.radius(1, 25.0), both.radius(0, 0.0)], [8.0, 4.0, 32.0]);
+    assert_eq!((both.passes(), fixed.passes()), (2, 1));
+    let squares: Vec<_> =
+        (0..500).flat_map(|x| both.taps(0, x, 3, 32.0)).map(|(dx, dy)| (dx * dx + dy * dy) as f32).collect();
+    let farthest = squares.iter().copied().fold(0.0, f32::max);
+    assert!(farthest > 30.0 * 30.0 && farthest <= 33.0 * 33.0, "{farthest}");
+    assert!((squares.iter().sum::<f32>() / squares.len() as f32 / 512.0 - 1.0).abs() < 0.1);
+    for (radius, samples, deviations) in [(0.5, 0.0, 1.0), (8.0, -1.0, 1.0), (8.0, 0.0, 0.0), (f32::NAN, 0.0, 1.0)] {
+        assert!(fixed.with_wide_pass(&surface, radius, samples, deviations).is_err());
+    }
+}
+
+/// Noise that blocks of pixels share, as those of a cache's cell do, beside an edge in the light of a plane wall: a wide
+/// pass that knows the variance takes most of the noise away, and leaves the edge where it is.
+#[test]
+fn significance_clears_what_cells_share_and_keeps_edges() {
+    let (width, height, cell) = (128_u32, 128_u32, 12_u32);
+    let records: Vec<_> = (0..width * height)
+        .map(|_| GuideRecord {
+            position_path: [0.0, 0.0, 0.0, 1.0],
+            normal_segment: [0.0, 0.0, 1.0, 1.0],
+            albedo_shininess: [0.5, 0.5, 0.5, 0.0],
+            ..GuideRecord::NONE
+        })
+        .collect();
+    let guides = prepared(&records);
+    let view = View::new(width, height, &guides).unwrap();
+    let light = |i: u32| if i % width < 60 { 1.0 } else { 4.0_f32 };
+    let noisy: Vec<Light> = (0..width * height)
+        .map(|i| {
+            let (x, y) = (i % width / cell, i / width / cell);
+            let light = light(i) * (1.0 + 0.6 * (unit([x, y, 9, 9])[0] - 0.5));
+            [light, light, light, (light * 0.6).powi(2) / 12.0]
+        })
+        .collect();
+    let surface = WeightSettings::surface(0.002);
+    let narrow = CrossBilateral::new(&surface, 8.0, 1, 0).unwrap();
+    let error = |image: &[Light], columns: std::ops::Range<u32>| {
+        let all = (0..).zip(image).filter(|(i, _)| columns.contains(&(i % width)));
+        let errors: Vec<_> = all.map(|(i, v)| (v[0] / light(i) - 1.0).powi(2)).collect();
+        errors.iter().sum::<f32>() / errors.len() as f32
+    };
+    let filtered = |filter: &CrossBilateral| run(filter, &view, &noisy, noisy.len());
+    let with_wide = |filter: CrossBilateral| filtered(&filter.with_wide_pass(&surface, 32.0, 0.0, 2.0).unwrap());
+    let far = 0..40;
+    let (before, after) = (error(&filtered(&narrow), far.clone()), error(&with_wide(narrow), far));
+    assert!(after < before / 2.0, "{before} -> {after} far from the edge");
+    // The pass alone: the one after it knows no light.
+    let mut wide = noisy.clone();
+    let both = narrow.with_wide_pass(&surface, 32.0, 0.0, 2.0).unwrap();
+    layered_filter::filter_pixels(&both, 0, &view, &noisy, 0, &mut wide);
+    let at = 50..70;
+    let (before, after) = (error(&noisy, at.clone()), error(&wide, at));
+    assert!(after < before / 2.0, "{before} -> {after} at the edge");
 }

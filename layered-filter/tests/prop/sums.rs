@@ -55,7 +55,7 @@ fn sample() -> impl Strategy<Value = (VertexRecord, Estimate)> {
                 ..VertexRecord::zeroed()
             };
             let further = Vec3::new(further[0], further[1], further[2]);
-            (record, Estimate { direct: Vec3::ZERO, further, samples })
+            (record, Estimate { direct: Vec3::ZERO, further, samples, variance: 0.0 })
         },
     )
 }
@@ -100,7 +100,7 @@ proptest! {
                 flags: VertexRecord::VALID,
                 ..VertexRecord::zeroed()
             };
-            (record, Estimate { direct: Vec3::ZERO, further: Vec3::splat(light), samples: 3 })
+            (record, Estimate { direct: Vec3::ZERO, further: Vec3::splat(light), samples: 3, variance: 0.0 })
         }).collect();
         let n = lights.len() as f64;
         let mean = lights.iter().copied().map(f64::from).sum::<f64>() / n;
@@ -125,7 +125,7 @@ proptest! {
             for (record, [a, b, c, d, e, f]) in &bits {
                 let mut record: VertexRecord = bytemuck::cast(*record);
                 record.flags = flags;
-                let estimate = Estimate { direct: Vec3::new(*a, *b, *c), further: Vec3::new(*d, *e, *f), samples };
+                let estimate = Estimate { direct: Vec3::new(*a, *b, *c), further: Vec3::new(*d, *e, *f), samples, variance: 0.0 };
                 broken += u32::from(!pixel.add(&params(direct), &record, &estimate));
             }
             prop_assert!(pixel.counts[3] >= broken && (broken == 0) == (pixel.counts[3] == 0));
@@ -153,7 +153,7 @@ fn holes_add_guides_and_direct_light() {
         flags: VertexRecord::VALID | VertexRecord::VISIBLE_ONLY,
         ..VertexRecord::zeroed()
     };
-    let none = Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0 };
+    let none = Estimate { direct: Vec3::ZERO, further: Vec3::ZERO, samples: 0, variance: 0.0 };
     let pixel = sum(Direct::Record, &[(hole, none), (hole, none)]);
     assert!(is_hole(&pixel.further_light()) && pixel.counts == [2, 2, 2, 0]);
     assert_eq!(pixel.direct_light()[..3], [0.25; 3]);
@@ -174,6 +174,32 @@ fn holes_add_guides_and_direct_light() {
     assert_eq!((pixel.counts, pixel.further_light()[0]), ([1, 1, 0, 0], 0.5));
 }
 
+/// Variances that a cache tells are averaged, and stay above 0 and known whatever comes.
+#[test]
+fn variances_that_are_told_are_believed() {
+    let vertex = VertexRecord {
+        position_footprint: [0.0, 0.0, 0.0, 0.01],
+        throughput: [0.5; 4],
+        normal: octahedral_encode(Vec3::Y),
+        flags: VertexRecord::VALID,
+        ..VertexRecord::zeroed()
+    };
+    let of = |light: f32, variance: f32| {
+        (vertex, Estimate { direct: Vec3::ZERO, further: Vec3::splat(light), samples: 9, variance })
+    };
+    let pixel = sum(Direct::Estimate, &[of(1.0, 0.25), of(3.0, 0.75)]);
+    assert_eq!((pixel.further_light()[3], pixel.left_out()), (0.5, 0));
+    assert_eq!(pixel.counts[3], LayerPixel::TOLD);
+    // One that does not tell stands for its own square.
+    let pixel = sum(Direct::Estimate, &[of(2.0, 0.0), of(2.0, 0.5)]);
+    assert!((pixel.further_light()[3] - 2.25).abs() < 1e-5);
+    // None that tells: what they differ by.
+    let pixel = sum(Direct::Estimate, &[of(1.0, 0.0), of(3.0, 0.0), of(1.0, 0.0), of(3.0, f32::NAN)]);
+    assert!((pixel.further_light()[3] - 1.0 / 3.0).abs() < 1e-5 && pixel.counts[3] == 0);
+    let pixel = sum(Direct::Estimate, &[of(1.0, f32::MAX), of(1.0, f32::MAX), of(f32::NAN, 1.0)]);
+    assert!(pixel.further_light()[3].is_finite() && pixel.left_out() == 1);
+}
+
 #[test]
 fn black_pixels_stay_black_and_tell_their_light() {
     let black = VertexRecord {
@@ -183,7 +209,7 @@ fn black_pixels_stay_black_and_tell_their_light() {
         flags: VertexRecord::VALID,
         ..VertexRecord::zeroed()
     };
-    let estimate = Estimate { direct: Vec3::ZERO, further: Vec3::ONE, samples: 1 };
+    let estimate = Estimate { direct: Vec3::ZERO, further: Vec3::ONE, samples: 1, variance: 0.0 };
     let pixel = sum(Direct::Record, &[(black, estimate); 3]);
     assert_eq!(pixel.mean_throughput(), Vec3::ZERO);
     assert_eq!((pixel.direct_light()[0], pixel.further_light()[0]), (2.0, 1.0));

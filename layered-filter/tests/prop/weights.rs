@@ -99,7 +99,7 @@ proptest! {
         let kappa = 2.0_f32.powi(k);
         let luminance = LuminanceWeight::Difference { scale, kappa };
         let weights = Weights::new(&WeightSettings { luminance, ..WeightSettings::PAPER }).unwrap();
-        let found = f64::from(weights.luminance_of(Some(p), 0.0).weight(q));
+        let found = f64::from(weights.luminance_of(Some(p), 0.0).weight(q, 0.0));
         let difference = f64::from(kappa) * (f64::from(p) - f64::from(q)).abs();
         let expected = (1.0 - (1.0 + f64::from(scale) * difference / (difference + 1.0)).ln()).max(0.0);
         prop_assert!((found - expected).abs() < 1e-5, "{found} for {expected}");
@@ -112,9 +112,27 @@ proptest! {
         let luminance = LuminanceWeight::Deviation { scale: 2.0 };
         let weights = Weights::new(&WeightSettings { luminance, ..WeightSettings::PAPER }).unwrap();
         let around = weights.luminance_of(Some(3.0 * unit), (sigma * unit) * (sigma * unit));
-        let found = f64::from(around.weight((3.0 + d) * unit));
+        let found = f64::from(around.weight((3.0 + d) * unit, 0.0));
         let expected = (-f64::from(d) / (2.0 * f64::from(sigma))).exp();
         prop_assert!((found - expected).abs() < 0.037, "{found} for {expected}");
+    }
+
+    /// exp(−Δ²/(s²·(σ_p² + σ_q²))) within what `falloff` promises, whatever the exposure, and the same from both sides.
+    #[test]
+    fn significance_is_mutual(d in 0.0_f32..10.0, a in 0.01_f32..1.0, b in 0.01_f32..1.0, e in -38_i32..38) {
+        let unit = 2.0_f32.powi(e);
+        let luminance = LuminanceWeight::Significance { scale: 2.0 };
+        let weights = Weights::new(&WeightSettings { luminance, ..WeightSettings::PAPER }).unwrap();
+        let (p, q) = (3.0 * unit, (3.0 + d) * unit);
+        let (v, w) = ((a * unit) * (a * unit), (b * unit) * (b * unit));
+        let found = f64::from(weights.luminance_of(Some(p), v).weight(q, w));
+        let back = f64::from(weights.luminance_of(Some(q), w).weight(p, v));
+        let [d, a, b] = [d, a, b].map(f64::from);
+        let expected = (-d * d / (4.0 * (a * a + b * b))).exp();
+        prop_assert!((found - expected).abs() < 0.037, "{found} for {expected}");
+        prop_assert!((found - back).abs() < 1e-3, "{found}, {back}");
+        prop_assert_eq!(weights.luminance_of(Some(p), v).weight(q, f32::INFINITY), 1.0);
+        prop_assert_eq!(weights.luminance_of(Some(p), 0.0).weight(p, 0.0), 1.0);
     }
 
     /// Any bits at all: a weight is a number from 0 on, and 0 where nothing is known.
@@ -132,7 +150,7 @@ proptest! {
                 prop_assert!((0.0..=settings.normal_scale).contains(&weight), "{weight}");
             }
             prop_assert_eq!(weights.guides(&PreparedGuide::NONE, &q), 0.0);
-            let weight = weights.luminance_of(Some(l[0]), l[1]).weight(l[2]);
+            let weight = weights.luminance_of(Some(l[0]), l[1]).weight(l[2], l[1]);
             prop_assert!(weight.is_nan() || (0.0..=1.0).contains(&weight), "{weight}");
         }
     }

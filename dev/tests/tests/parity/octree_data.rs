@@ -195,7 +195,7 @@ fn the_owned_cache_is_the_same() {
     assert_eq!(counters, stages.counters);
     assert!(estimates == stages.estimates);
     let cells: Vec<u32> =
-        (0..stages.cells.len() as u32 / 10).flat_map(|i| bytemuck::cast::<_, [u32; 10]>(cache.cell(i))).collect();
+        (0..stages.cells.len() as u32 / 12).flat_map(|i| bytemuck::cast::<_, [u32; 12]>(cache.cell(i))).collect();
     assert!(cells == stages.cells);
 }
 
@@ -208,6 +208,6 @@ fn sizes_are_checked() {
     assert!(stages.reserve(&mut backend, u32::MAX).is_err());
     assert!(CacheStages::<CpuBackend>::update(&mut stages, &mut backend).is_ok());
     assert!(stages.read_counters(&mut backend).is_err());
-    assert_eq!(stages.data_bytes(), 40 * u64::from(stages.cells()));
+    assert_eq!(stages.data_bytes(), 48 * u64::from(stages.cells()));
     assert!(stages.table_bytes() * 10 < stages.data_bytes() * 11 && stages.frame_bytes() > 0);
 }
