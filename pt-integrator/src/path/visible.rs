@@ -185,7 +185,7 @@ impl Chains for Bsdf {
                 } else {
                     chain.layers[layer].guide(&next.surface, distance, depth);
                 }
-                let Some(picked) = go_on(&material, weight * (eta * eta), depth == 0, &mut sampler) else { return };
+                let Some(picked) = go_on(&material, weight * (eta * eta), &mut sampler) else { return };
                 chain.layers[layer].shininess = 1.0 - material.roughness(picked.0);
                 layer += 1;
                 picked
@@ -214,13 +214,12 @@ impl Chains for Bsdf {
     }
 }
 
-/// By which lobe a chain leaves a layer, and the probability of that; all lobes alike in the `first`. `None`: it ends here.
+/// By which lobe a chain leaves a layer, and the probability of that. `None`: it ends here.
 #[inline]
-fn go_on(material: &Bsdf, weight: Vec3, first: bool, sampler: &mut impl Sampler) -> Option<(Lobe, f32)> {
+fn go_on(material: &Bsdf, weight: Vec3, sampler: &mut impl Sampler) -> Option<(Lobe, f32)> {
     // A Lambertian surface draws nothing.
     material.pick_specular(0.0)?;
-    let u = sampler.next_1d();
-    let picked = if first { material.pick_specular_evenly(u)? } else { material.pick_specular(u)? };
+    let picked = material.pick_specular(sampler.next_1d())?;
     let expected = (weight * material.specular_throughput()).max_element();
     let survival = (expected / CERTAIN_WEIGHT).min(1.0);
     // Chance takes what is left of the number.
