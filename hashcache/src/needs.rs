@@ -8,6 +8,7 @@ use serde::Serialize;
 const LEAST_ROUGHNESS: f32 = layered_filter::front::LEAST_ROUGHNESS;
 
 /// What a scene holds that a frame must model.
+#[expect(clippy::struct_excessive_bools, reason = "features are there or not, and stats name each by its key")]
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Needs {
     /// Triangles of all meshes, each counted once.

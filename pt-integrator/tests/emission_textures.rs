@@ -108,13 +108,13 @@ fn sampled_points_are_seen_as_sampled() {
 /// A floor below a textured lamp against a quadrature over the lamp's texture.
 #[test]
 fn floor_below_a_textured_lamp() {
+    const N: u32 = 400;
     for (side, repeat) in [(4, 1.0), (8, 2.3)] {
         let mut scene = lamp(picture(side), side, repeat, 0);
         let floor = quad(Vec3::new(-9.0, 0.0, -9.0), 18.0 * Vec3::Z, 18.0 * Vec3::X);
         add_triangles(&mut scene, &floor, Material::lambert([0.5; 3]));
         let point = Vec3::new(0.1, 0.0, 0.2);
         let mut expected = Vec3::ZERO;
-        const N: u32 = 400;
         for i in 0..N * N {
             let at = (Vec2::new((i % N) as f32, (i / N) as f32) + 0.5) / N as f32;
             let to = Vec3::new(at.x - 0.5, 1.0, at.y - 0.5) - point;

@@ -118,7 +118,9 @@ fn traced(scene: &SceneData, forced: u32) -> [Golden; 4] {
             let mut again = sampler;
             let settings = VertexSettings::new(all);
             trace_path_vertices(&view, &caster, &mut again, &ray, &settings, &mut vertices, &mut counts);
-            vertices.iter().for_each(|vertex| golden[1].add(vertex));
+            for vertex in &vertices {
+                golden[1].add(vertex);
+            }
             golden[2].add(&trace_path(&view, &caster, &mut sampler, &ray, &roulette, &mut counts));
             let numbers = |strategy, _, i: u32| match strategy {
                 Strategy::NextEvent => Sobol::new(sample * direct.all() + i, seeds[0]),
