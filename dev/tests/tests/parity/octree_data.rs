@@ -167,7 +167,7 @@ fn a_frame_that_outgrows_its_room_is_merged_in_parts() {
     let tight = run(&mut CpuBackend::serial(), &case, &frames, 0);
     assert_eq!(tight.counters.balance(), 0);
     assert_eq!(tight.counters.energy_stored, roomy.counters.energy_stored);
-    let counts = |outcome: &Outcome| outcome.cells.chunks(10).map(|cell| [cell[6], cell[7]]).collect::<Vec<_>>();
+    let counts = |outcome: &Outcome| outcome.cells.chunks(12).map(|cell| [cell[6], cell[7]]).collect::<Vec<_>>();
     assert!(counts(&tight) == counts(&roomy));
     assert!(tight.statuses.iter().filter(|status| status.0 == "octree.merge").count() > 3 * 10);
 }
@@ -188,7 +188,7 @@ fn the_owned_cache_is_the_same() {
         for vertex in frame {
             let estimate = cache.estimate(vertex);
             let [x, y, z] = estimate.further.to_array();
-            estimates.push([0.0, 0.0, 0.0, estimate.samples as f32, x, y, z, 0.0].map(f32::to_bits));
+            estimates.push([0.0, 0.0, 0.0, estimate.samples as f32, x, y, z, estimate.variance].map(f32::to_bits));
         }
     }
     let counters = cache.counters();
