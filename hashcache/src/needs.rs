@@ -37,9 +37,9 @@ pub struct Needs {
     pub punctual_lights: u64,
     /// `none`, `constant` or `image`.
     pub environment: &'static str,
-    /// Vertices one behind another through which a pixel's light usually comes: 1, one more for what reflects or lets
-    /// light through, and two more for a solid that refracts, by its two sides. What is behind those is seen through the
-    /// last one.
+    /// Vertices one behind another that a sample of a pixel keeps for all its light to be told apart: 1, one more for
+    /// what reflects or lets light through, one for the lobe that comes second, and one for the far side of a solid.
+    /// What is behind those is seen through the last one.
     pub layers: u32,
 }
 
@@ -60,6 +60,7 @@ pub fn needs(scene: &SceneData, packed: &PackedScene) -> Needs {
         (Lobes::COAT, "coat"),
     ];
     let solid = used.iter().any(|m| m.flags & Material::VOLUME != 0 && m.lobes().contains(Lobes::TRANSMISSION));
+    let several = used.iter().any(|m| (m.lobes().bits() & !Lobes::DIFFUSE.bits()).count_ones() > 1);
     let glossy = lobes.bits() & !Lobes::DIFFUSE.bits() != 0;
     Needs {
         triangles: scene.indices.len() as u64,
@@ -75,7 +76,7 @@ pub fn needs(scene: &SceneData, packed: &PackedScene) -> Needs {
         emissive_triangles: scene.instances.iter().map(|instance| emissive_in(instance.mesh)).sum(),
         punctual_lights: scene.punctual_lights.len() as u64,
         environment: environment(scene),
-        layers: 1 + u32::from(glossy) + if solid { 2 } else { 0 },
+        layers: 1 + u32::from(glossy) + u32::from(several) + u32::from(solid),
     }
 }
 

@@ -44,21 +44,27 @@ fn scenes_with_mirrors_have_layers() {
 /// Every number of layers, cache and filter shows the light of path tracing.
 #[test]
 fn layers_keep_the_energy_of_path_tracing() {
-    let reference = preview(&[("cache", "none"), ("filter", "none"), ("spp", "1024")]);
+    let reference = preview(&[("cache", "none"), ("filter", "none"), ("spp", "384")]);
     let reference = mean(&reference.render(&mut |_| ()).unwrap().image);
     for cache in ["octree", "grid"] {
-        for (filter, layers) in [("layered", "4"), ("layered", "2"), ("layered", "1"), ("screen", "4"), ("none", "4")] {
-            for direct in ["cached", "traced"] {
-                let set = [
-                    ("cache", cache),
-                    ("filter", filter),
-                    ("filter.layers", layers),
-                    ("cache.direct", direct),
-                    ("spp", "48"),
-                ];
-                let ratio = mean(&preview(&set).render(&mut |_| ()).unwrap().image) / reference;
-                assert!((ratio - 1.0).abs() < 0.06, "{cache} {filter} {layers} {direct}: energy {ratio}");
-            }
+        for (filter, layers, direct) in [
+            ("layered", "4", "cached"),
+            ("layered", "4", "traced"),
+            ("layered", "1", "cached"),
+            ("screen", "4", "cached"),
+            ("none", "4", "cached"),
+        ] {
+            let set = [
+                ("cache", cache),
+                ("filter", filter),
+                ("filter.layers", layers),
+                ("cache.direct", direct),
+                ("spp", "32"),
+                ("seed", "1"),
+            ];
+            let ratio = mean(&preview(&set).render(&mut |_| ()).unwrap().image) / reference;
+            // 98,304 paths of a room without a lamp in sight know the mean to about 2 %.
+            assert!((ratio - 1.0).abs() < 0.06, "{cache} {filter} {layers} {direct}: energy {ratio}");
         }
     }
 }

@@ -75,6 +75,9 @@ pub struct FilterSettings {
     pub further: Filter,
     /// The denoiser of direct light.
     pub direct_filter: Filter,
+    /// The denoiser of the cache's light in the layers behind the first. What a curved mirror shows lies far apart from
+    /// pixel to pixel, so it had better reach less far.
+    pub behind: Filter,
     /// The denoiser of light from behind that is filtered with the guides of what it passes.
     pub carried: Filter,
     /// Layers, 1 to [`MAX_LAYERS`]: records and estimates of a pixel that follow each other.
@@ -143,9 +146,10 @@ impl FilterStages {
     }
 
     /// Replaces the denoisers; sums stay.
-    pub const fn set_filters(&mut self, further: Filter, direct: Filter, carried: Filter) {
+    pub const fn set_filters(&mut self, further: Filter, direct: Filter, behind: Filter, carried: Filter) {
         self.settings.further = further;
         self.settings.direct_filter = direct;
+        self.settings.behind = behind;
         self.settings.carried = carried;
     }
 
@@ -195,9 +199,10 @@ impl FilterStages {
         push(&GATHER_FRONT, fronts);
         push(&PREPARE, true);
         push(&FILL, true);
-        for filter in [&self.settings.further, &self.settings.direct_filter] {
+        let filters = [&self.settings.further, &self.settings.direct_filter, &self.settings.behind];
+        for (filter, used) in filters.into_iter().zip([true, true, deep]) {
             if let Some(kernel) = filter.kernel() {
-                push(kernel, true);
+                push(kernel, used);
             }
         }
         push(&COMPOSE, !deep);

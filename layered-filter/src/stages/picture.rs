@@ -76,7 +76,8 @@ impl FilterStages {
             ];
             backend.dispatch(&PREPARE, bytes_of(&self.scale), &bindings, Items::Count(count))
         })?;
-        let further = self.passes(backend, buffers, &self.settings.further, buffers.further, denoise)?;
+        let filter = if layer == 0 { &self.settings.further } else { &self.settings.behind };
+        let further = self.passes(backend, buffers, filter, buffers.further, denoise)?;
         let direct = match self.settings.direct {
             // Traced light has no holes to fill.
             Direct::Record if denoise && self.settings.direct_filter != Filter::None => {

@@ -35,6 +35,7 @@ pub(super) struct Arrival<'b> {
 }
 
 /// A further vertex.
+#[derive(Clone, Copy)]
 pub(super) struct Next<'b> {
     pub surface: Surface<'b>,
     pub distance: f32,

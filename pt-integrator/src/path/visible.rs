@@ -35,9 +35,12 @@ const CERTAIN_WEIGHT: f32 = 1.0 / 8.0;
 /// comes there straight from emitters.
 ///
 /// The first layer is the surface that the camera sees. Its diffuse lobe becomes `layers[0]`, in every sample. Then the
-/// chain goes on by one of its other lobes, chosen by chance, to the surface of the next layer, and so on. In the last
-/// layer the chain chooses among all lobes and walks on until it scatters diffusely. A pixel's radiance is the sum of
-/// all layers' `emitted + throughput · illumination`, `throughput` holding the chances of all choices.
+/// chain goes on by that of its other lobes that brings most light, to the surface of the next layer, and so on: nothing
+/// of this is left to chance. The last layer is for the lobes that were passed by, and for those of the last layer but
+/// one: one of them is chosen, and a walk from there chooses among all lobes until it scatters diffusely. So what is seen
+/// through glass has no noise of choices, and its reflections, a few percent of the light, have all of it. A pixel's
+/// radiance is the sum of all layers' `emitted + throughput · illumination`, `throughput` holding the chances of all
+/// choices.
 ///
 /// - `emitted`: light of the segment that ends in the layer: emission, the environment, and light that the lobe before
 ///   it found by next event (weighted against each other).
@@ -157,71 +160,162 @@ impl Chains for Bsdf {
     ) {
         let arrival = chain.tracer.look(ray);
         chain.layers[0] = PathOutcome::seen(ray.direction, arrival.emitted);
-        let Some(mut next) = arrival.next else { return };
+        let Some(next) = arrival.next else { return };
         let mut sampler = (chain.numbers)(Strategy::Chain, 0, 0);
-        let mut weight = arrival.weight;
-        let (mut distance, mut eta) = (next.distance, 1.0);
-        let (mut layer, mut depth) = (0, 0);
-        loop {
-            let material = Self::at::<NEEDS>(chain.tracer.scene, &next.surface);
-            let place = Place { next: &next, material: &material, distance, depth };
-            let is_last = layer + 1 == chain.layers.len();
-            let picked = if is_last {
-                let (lobe, probability) = Scatters::pick(&material, &mut sampler);
-                if lobe == Lobe::Diffuse {
-                    // In place of the walk's first surface.
-                    chain.layers[layer].is_guide = false;
-                    chain.diffuse(layer, &place, weight / probability);
-                    return;
-                }
-                let outcome = &mut chain.layers[layer];
-                if !outcome.is_guide {
-                    outcome.guide(&next.surface, distance, depth);
-                }
-                (lobe, probability)
+        let mut at = Vertex { distance: next.distance, next, weight: arrival.weight, eta: 1.0, depth: 0 };
+        let last = chain.layers.len() - 1;
+        if last == 0 {
+            return chain.walk(&mut sampler, at, 0);
+        }
+        let mut rest = Rest { total: 0.0, kept: None };
+        for layer in 0..last {
+            if at.depth > 0 && at.depth >= chain.settings.max_bounces {
+                // All that this vertex shows is emission, and that is counted.
+                break;
+            }
+            let material = Self::at::<NEEDS>(chain.tracer.scene, &at.next.surface);
+            let lobes = material.lobes();
+            let specular = lobes[Lobe::Reflection as usize..].iter().sum::<f32>();
+            if lobes[Lobe::Diffuse as usize] > 0.0 || specular <= 0.0 {
+                chain.diffuse(layer, &at.place(&material), at.weight);
             } else {
-                if material.lobes()[Lobe::Diffuse as usize] > 0.0 || material.pick_specular(0.0).is_none() {
-                    chain.diffuse(layer, &place, weight);
-                } else {
-                    chain.layers[layer].guide(&next.surface, distance, depth);
-                }
-                let Some(picked) = go_on(&material, weight * (eta * eta), &mut sampler) else { return };
-                chain.layers[layer].shininess = 1.0 - material.roughness(picked.0);
-                layer += 1;
-                picked
-            };
-            if depth >= chain.settings.max_bounces {
-                return;
+                chain.layers[layer].guide(&at.next.surface, at.distance, at.depth);
             }
-            let (lobe, probability) = picked;
-            weight /= probability;
-            let surface = &next.surface;
-            let met = chain.tracer.next_event(&mut sampler, surface, &material, lobe, next.medium);
-            let last = depth + 1 == chain.settings.max_bounces;
-            let arrival = chain.tracer.scatter(&mut sampler, surface, &material, lobe, next.medium, last);
-            let outcome = &mut chain.layers[layer];
-            outcome.emitted += weight * (met + arrival.emitted);
-            let Some(further) = arrival.next else { return };
-            weight *= arrival.weight;
-            if weight.max_element() <= 0.0 {
-                return;
+            let expected = (at.weight * (at.eta * at.eta) * material.specular_throughput()).max_element();
+            let main = if layer + 1 < last { strongest(&lobes) } else { None };
+            for lobe in SPECULAR.into_iter().filter(|lobe| Some(*lobe) != main) {
+                rest.offer(expected * lobes[lobe as usize] / specular, &mut sampler, || (at, lobe, layer));
             }
-            eta *= arrival.eta;
-            distance += further.distance;
-            depth += 1;
-            next = further;
+            let Some(lobe) = main else { break };
+            let Some(survival) = survival(expected * lobes[lobe as usize] / specular, &mut sampler) else { break };
+            chain.layers[layer].shininess = 1.0 - material.roughness(lobe);
+            let Some(further) = chain.step(&mut sampler, &at, &material, lobe, survival, layer + 1) else { break };
+            at = further;
+        }
+        let Rest { total, kept: Some((weight, (at, lobe, layer))) } = rest else { return };
+        let Some(survival) = survival(total, &mut sampler) else { return };
+        let material = Self::at::<NEEDS>(chain.tracer.scene, &at.next.surface);
+        if chain.layers[layer].shininess <= 0.0 {
+            chain.layers[layer].shininess = 1.0 - material.roughness(lobe);
+        }
+        let chance = survival * weight / total;
+        if let Some(further) = chain.step(&mut sampler, &at, &material, lobe, chance, last) {
+            chain.walk(&mut sampler, further, last);
         }
     }
 }
 
-/// By which lobe a chain leaves a layer, and the probability of that. `None`: it ends here.
+/// A vertex of a chain and the way there.
+#[derive(Clone, Copy)]
+struct Vertex<'b> {
+    next: Next<'b>,
+    /// The camera's weight of light that leaves it.
+    weight: Vec3,
+    /// Refractive index of what the chain is in over that at the camera.
+    eta: f32,
+    /// Length of the path from the camera.
+    distance: f32,
+    /// Scatterings before it.
+    depth: u32,
+}
+
+impl<'b> Vertex<'b> {
+    fn place<'a, M>(&'a self, material: &'a M) -> Place<'a, 'b, M> {
+        Place { next: &self.next, material, distance: self.distance, depth: self.depth }
+    }
+}
+
+/// The lobes by which chains go on.
+const SPECULAR: [Lobe; 3] = [Lobe::Reflection, Lobe::Transmission, Lobe::Coat];
+
+/// The lobe that brings most light, but for the diffuse one.
 #[inline]
-fn go_on(material: &Bsdf, weight: Vec3, sampler: &mut impl Sampler) -> Option<(Lobe, f32)> {
-    // A Lambertian surface draws nothing.
-    material.pick_specular(0.0)?;
-    let picked = material.pick_specular(sampler.next_1d())?;
-    let expected = (weight * material.specular_throughput()).max_element();
+fn strongest(lobes: &[f32; 4]) -> Option<Lobe> {
+    let weight = |lobe: Lobe| lobes[lobe as usize];
+    let strongest = SPECULAR.into_iter().reduce(|best, lobe| if weight(lobe) > weight(best) { lobe } else { best });
+    strongest.filter(|lobe| weight(*lobe) > 0.0)
+}
+
+/// The probability by which something of this expected weight is traced; `None`: chance decided against it.
+#[inline]
+fn survival(expected: f32, sampler: &mut impl Sampler) -> Option<f32> {
     let survival = (expected / CERTAIN_WEIGHT).min(1.0);
-    // Chance takes what is left of the number.
-    if picked.u < survival { Some((picked.lobe, picked.probability * survival)) } else { None }
+    // Nothing is drawn for what is certain. False for NaN.
+    (survival >= 1.0 || survival > 0.0 && sampler.next_1d() < survival).then_some(survival)
+}
+
+/// Lobes that a chain passed by: one is kept, by chance in proportion to its weight.
+///
+/// # Source
+/// Chao 1982 (reservoir sampling with unequal probabilities).
+struct Rest<'b> {
+    total: f32,
+    kept: Option<(f32, (Vertex<'b>, Lobe, usize))>,
+}
+
+impl<'b> Rest<'b> {
+    #[inline]
+    fn offer(&mut self, weight: f32, sampler: &mut impl Sampler, lobe: impl FnOnce() -> (Vertex<'b>, Lobe, usize)) {
+        // Nor is NaN.
+        if weight > 0.0 {
+            self.total += weight;
+            if self.kept.is_none() || sampler.next_1d() * self.total < weight {
+                self.kept = Some((weight, lobe()));
+            }
+        }
+    }
+}
+
+impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler, N: FnMut(Strategy, u32, u32) -> S> Chain<'_, 'b, NEEDS, C, N> {
+    /// Goes on by a lobe that was chosen with a probability; what is emitted there belongs to `layer`.
+    fn step(
+        &mut self,
+        sampler: &mut S,
+        at: &Vertex<'b>,
+        material: &Bsdf,
+        lobe: Lobe,
+        probability: f32,
+        layer: usize,
+    ) -> Option<Vertex<'b>> {
+        let Vertex { next, weight, eta, distance, depth } = at;
+        if *depth >= self.settings.max_bounces {
+            return None;
+        }
+        let weight = *weight / probability;
+        let met = self.tracer.next_event(sampler, &next.surface, material, lobe, next.medium);
+        let last = depth + 1 == self.settings.max_bounces;
+        let arrival = self.tracer.scatter(sampler, &next.surface, material, lobe, next.medium, last);
+        self.layers[layer].emitted += weight * (met + arrival.emitted);
+        let further = arrival.next?;
+        let weight = weight * arrival.weight;
+        let distance = distance + further.distance;
+        (weight.max_element() > 0.0).then_some(Vertex {
+            next: further,
+            weight,
+            eta: eta * arrival.eta,
+            distance,
+            depth: depth + 1,
+        })
+    }
+
+    /// Chooses among all lobes until the diffuse one is chosen.
+    fn walk(&mut self, sampler: &mut S, mut at: Vertex<'b>, layer: usize) {
+        loop {
+            if at.depth > 0 && at.depth >= self.settings.max_bounces {
+                return;
+            }
+            let material = <Bsdf as Scatters>::at::<NEEDS>(self.tracer.scene, &at.next.surface);
+            let (lobe, probability) = Scatters::pick(&material, sampler);
+            if lobe == Lobe::Diffuse {
+                // In place of the walk's first surface.
+                self.layers[layer].is_guide = false;
+                return self.diffuse(layer, &at.place(&material), at.weight / probability);
+            }
+            if !self.layers[layer].is_guide {
+                self.layers[layer].guide(&at.next.surface, at.distance, at.depth);
+            }
+            let Some(further) = self.step(sampler, &at, &material, lobe, probability, layer) else { return };
+            at = further;
+        }
+    }
 }
