@@ -17,8 +17,9 @@ const FRAMES: [u32; 2] = [1, 8];
 
 /// A filter at some strength.
 struct Found {
-    /// relMSE over the pixels that count, and over all.
+    /// relMSE over the pixels that count, the same without the worst 0.1 % of them, and over the whole picture.
     error: f64,
+    trimmed: f64,
     whole: f64,
     strength: String,
 }
@@ -31,7 +32,18 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
         RADII.len() * SAMPLES.len()
     );
     let strengths: Vec<_> = RADII.iter().flat_map(|radius| SAMPLES.map(|samples| (*radius, samples))).collect();
-    table::head(&["scene", "frames", "pixels", "filter", "radius / samples", "relMSE", "of the picture", "ratio"]);
+    table::head(&[
+        "scene",
+        "frames",
+        "pixels",
+        "filter",
+        "radius / samples",
+        "relMSE",
+        "trimmed",
+        "of the picture",
+        "ratio",
+        "trimmed",
+    ]);
     for name in arguments.scenes(&["builtin:interior", "cornell-specular"]) {
         let still = Still::read(&name)?;
         let shown = mask(&still.open(&arguments.settings(&[("spp", "1")])?)?)?;
@@ -41,8 +53,10 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
             let [screen, layered] =
                 ["screen", "layered"].map(|filter| best(&still, arguments, frames, &shown, filter, &strengths));
             let (screen, layered) = (screen?, layered?);
-            let ratio = table::ratio(layered.error / screen.error);
-            for (filter, found, ratio) in [("none", none, ""), ("screen", screen, ""), ("layered", layered, &ratio)] {
+            let ratios = [layered.error / screen.error, layered.trimmed / screen.trimmed].map(table::ratio);
+            let blank = || [String::new(), String::new()];
+            let rows = [("none", none, blank()), ("screen", screen, blank()), ("layered", layered, ratios)];
+            for (filter, found, [ratio, trimmed]) in rows {
                 table::row(&[
                     name.clone(),
                     frames.to_string(),
@@ -50,8 +64,10 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
                     filter.to_owned(),
                     found.strength,
                     table::error(found.error),
+                    table::error(found.trimmed),
                     table::error(found.whole),
-                    ratio.to_owned(),
+                    ratio,
+                    trimmed,
                 ]);
             }
         }
@@ -84,10 +100,10 @@ fn best(
             }
         }
         let image = session.filtered(&settings).map_err(say)?.ok_or("the settings keep no sums")?;
-        let error = masked_rel_mse(&image, &still.reference, &|i| shown[i]);
+        let [error, trimmed] = rel_mse(&image, &still.reference, &|i| shown[i]);
         if best.as_ref().is_none_or(|best| error < best.error) {
-            let whole = masked_rel_mse(&image, &still.reference, &|_| true);
-            best = Some(Found { error, whole, strength: format!("{radius} / {samples}") });
+            let [whole, _] = rel_mse(&image, &still.reference, &|_| true);
+            best = Some(Found { error, trimmed, whole, strength: format!("{radius} / {samples}") });
         }
     }
     best.ok_or_else(|| "no strength to try".to_owned())
@@ -108,18 +124,13 @@ fn mask(preview: &Preview) -> Result<Vec<bool>, String> {
     Ok((0..first.1.pixels.len()).map(shows).collect())
 }
 
-/// relMSE over the pixels that count.
-fn masked_rel_mse(image: &Image, reference: &Image, counts: &dyn Fn(usize) -> bool) -> f64 {
-    let (mut sum, mut n) = (0.0, 0.0);
-    for (i, (found, wanted)) in image.pixels.iter().zip(&reference.pixels).enumerate() {
-        if counts(i) {
-            let errors = found.iter().zip(wanted).map(|(&i, &r)| {
-                let (i, r) = (f64::from(i), f64::from(r));
-                (i - r).powi(2) / (r * r + 0.01)
-            });
-            sum += errors.sum::<f64>();
-            n += 3.0;
-        }
-    }
-    sum / n
+/// relMSE over the pixels that count, and the same without the worst 0.1 % of them.
+fn rel_mse(image: &Image, reference: &Image, counts: &dyn Fn(usize) -> bool) -> [f64; 2] {
+    let pairs = image.pixels.iter().zip(&reference.pixels).enumerate().filter(|(i, _)| counts(*i));
+    let of_channel = |(&i, &r): (&f32, &f32)| (f64::from(i) - f64::from(r)).powi(2) / (f64::from(r).powi(2) + 0.01);
+    let mut errors: Vec<f64> =
+        pairs.map(|(_, (found, wanted))| found.iter().zip(wanted).map(of_channel).sum::<f64>() / 3.0).collect();
+    errors.sort_by(f64::total_cmp);
+    let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+    [mean(&errors), mean(&errors[..errors.len() - errors.len() / 1000])]
 }
