@@ -41,6 +41,7 @@
 
 pub mod choice;
 pub mod clock;
+mod emission;
 mod error;
 pub mod feature;
 mod filter;

@@ -1,17 +1,17 @@
 //! From a scene's name to a picture.
 
-use std::f32::consts::FRAC_1_PI;
 use std::path::Path;
 
 use glam::Vec3;
 use hashcache_core::geometry::Geometry;
 use hashcache_core::stages::CastsRays;
 use pt_integrator::packed::PackedScene;
-use pt_integrator::scene::{Camera, Environment, Material, PunctualLight};
+use pt_integrator::scene::{Camera, Environment};
 use scene::{LoadOptions, Loaded, View};
 
 use crate::choice::Choice as _;
 use crate::clock::{self, Elapsed};
+use crate::emission;
 use crate::error::Error;
 use crate::image_file::Image;
 use crate::needs::{Needs, needs};
@@ -284,18 +284,7 @@ impl Preview {
         if !(factor >= 0.0 && factor.is_finite()) {
             return Err(format!("a factor of {factor}; it must be a number of at least 0"));
         }
-        let mut data = self.loaded.data.clone();
-        for material in &mut data.materials {
-            let unlit = material.flags & Material::UNLIT != 0;
-            let emitted = if unlit { &mut material.base_color } else { &mut material.emission };
-            emitted[..3].iter_mut().for_each(|x| *x *= factor);
-        }
-        for light in &mut data.punctual_lights {
-            light.intensity[..3].iter_mut().for_each(|x| *x *= factor);
-        }
-        if let Some(environment) = &mut data.environment {
-            scale_environment(environment, factor);
-        }
+        let data = emission::scaled(&self.loaded.data, factor);
         let mut packed = PackedScene::new(&data).map_err(|error| error.to_string())?;
         packed.force_needs(self.settings.needs_force.loop_bits());
         Ok(packed)
@@ -324,33 +313,11 @@ impl Preview {
         stats
     }
 
-    /// The largest radiance that anything emits. A light without extent counts by what a white surface near it shows: one
-    /// facing it at a distance of [`NEAR`] radii of the scene.
+    /// [`emission::largest`] of the scene.
     pub(crate) fn max_radiance(&self) -> f32 {
-        let data = &self.loaded.data;
-        let emitted = |material: &Material| {
-            if material.flags & Material::UNLIT == 0 { material.emission } else { material.base_color }
-        };
-        let materials = data.materials.iter().map(emitted);
-        let near = NEAR * self.radius();
-        let punctual = data.punctual_lights.iter().map(|light| {
-            let is_directional = light.position[3].to_bits() == PunctualLight::DIRECTIONAL.to_bits();
-            let factor = FRAC_1_PI / if is_directional { 1.0 } else { near * near };
-            light.intensity.map(|x| x * factor)
-        });
-        let environment: Box<dyn Iterator<Item = &f32>> = match &data.environment {
-            None => Box::new(std::iter::empty()),
-            Some(Environment::Constant(color)) => Box::new(color.iter()),
-            Some(Environment::Image(image)) => Box::new(image.texels.iter().flat_map(|texel| texel[..3].iter())),
-        };
-        let lights = materials.chain(punctual).flat_map(|[r, g, b, _]| [r, g, b]);
-        lights.chain(environment.copied()).fold(0.0, f32::max)
+        emission::largest(&self.loaded.data, self.radius())
     }
 }
-
-/// Distance from a light without extent at which surfaces still count in full, in radii of the scene. Sums hold sixteen
-/// times that radiance, so light is clamped from a quarter of this on.
-const NEAR: f32 = 1.0 / 32.0;
 
 fn load(
     scene: &str,
@@ -366,7 +333,7 @@ fn load(
         warnings.extend(of_image.iter().map(|warning| format!("{}: {warning}", path.display())));
         loaded.data.environment = Some(Environment::Image(image));
     } else if let Some(environment) = &mut loaded.data.environment {
-        scale_environment(environment, settings.env_scale);
+        emission::scale_environment(environment, settings.env_scale);
     } else if settings.env_scale.to_bits() != 1.0_f32.to_bits() {
         let reason = "there is no environment for env_scale to scale; give one by --env".to_owned();
         return Err(Error::BadScene { scene: scene.to_owned(), reason });
@@ -381,13 +348,6 @@ fn load(
     let packed = PackedScene::new(&loaded.data)
         .map_err(|error| Error::BadScene { scene: scene.to_owned(), reason: error.to_string() })?;
     Ok((loaded, packed, warnings))
-}
-
-fn scale_environment(environment: &mut Environment, scale: f32) {
-    match environment {
-        Environment::Constant(color) => color.iter_mut().for_each(|x| *x *= scale),
-        Environment::Image(image) => image.texels.iter_mut().flatten().for_each(|x| *x *= scale),
-    }
 }
 
 /// The camera that the settings name: a camera file, or one of the scene's by name or index; by default its first.

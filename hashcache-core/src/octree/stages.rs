@@ -1,17 +1,19 @@
 //! The octree as the pipeline sees it.
 
+mod buffers;
+
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use backend_api::{Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Primitive, Ticket};
 
+use self::buffers::{Bound, Buffers, COUNTER_BYTES, create, frame_buffers, number};
 use super::cell::{CellRecord, ExactCell, Layout, PaperCell};
 use super::kernels::{ARRANGE, Kernels, RECORD, REKEY};
 use super::merge::MAX_SAMPLES;
 use super::owned::OwnedOctree;
 use super::params::OctreeParams;
 use super::sample::{Sample, sample_keys};
-use super::tally::COUNTER_WORDS;
 use crate::counters::Counters;
 use crate::stages::CacheStages;
 
@@ -45,14 +47,6 @@ pub struct OctreeStages {
     /// Number of merges so far, plus 1: what the next wipe is known by.
     frame: u32,
     wipe: bool,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Buffers {
-    structure: BufferId,
-    cells: BufferId,
-    counters: BufferId,
-    frame: [BufferId; 4],
 }
 
 impl OctreeStages {
@@ -314,57 +308,6 @@ impl OctreeStages {
         }
         Ok(())
     }
-}
-
-const COUNTER_BYTES: u64 = 4 * COUNTER_WORDS as u64;
-
-/// What kernels bind.
-struct Bound {
-    structure: Binding,
-    cells: Binding,
-    counters: Binding,
-    keys: Binding,
-    order: Binding,
-    samples: Binding,
-    sorted: Binding,
-}
-
-/// Buffers of an open frame with room for `records`: keys, order, samples, sorted samples.
-const fn frame_buffers(records: u32) -> [BufferDesc; 4] {
-    let (words, samples) = (4 * records as u64, size_of::<Sample>() as u64 * records as u64);
-    [
-        BufferDesc { name: "octree.keys", size: words },
-        BufferDesc { name: "octree.order", size: words },
-        BufferDesc { name: "octree.samples", size: samples },
-        BufferDesc { name: "octree.sorted", size: samples },
-    ]
-}
-
-/// Creates all buffers, or none.
-fn create<B: Backend, const N: usize>(backend: &mut B, all: &[BufferDesc; N]) -> Result<[BufferId; N], Error> {
-    let limit = backend.max_binding_size();
-    if let Some(&BufferDesc { name, size }) = all.iter().find(|desc| desc.size > limit) {
-        return Err(Error::BadSize { at: name, size, limit });
-    }
-    let mut made = [BufferId { index: 0, generation: 0 }; N];
-    for (k, desc) in all.iter().enumerate() {
-        match backend.create(desc) {
-            Ok(buffer) => made[k] = buffer,
-            Err(error) => {
-                for buffer in &made[..k] {
-                    backend.destroy(*buffer)?;
-                }
-                return Err(error);
-            }
-        }
-    }
-    Ok(made)
-}
-
-/// Numbers the order from 0 on.
-fn number<B: Backend>(backend: &mut B, frame: [BufferId; 4], records: u32) -> Result<(), Error> {
-    let order: Vec<u32> = (0..records).collect();
-    backend.write(frame[1], 0, bytemuck::cast_slice(&order))
 }
 
 impl<B: Backend> CacheStages<B> for OctreeStages {
