@@ -15,8 +15,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::thread;
 use std::time::Duration;
 
-use bytemuck::Zeroable;
-use common::cpu_time;
+use common::{cpu_time, vertex};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hashcache_core::counters::Counters;
 use hashcache_core::hash::{pcg, pcg2d};
@@ -27,19 +26,6 @@ use hashgrid::{CELL_WORDS, Key, Params, Settings, Table, Word};
 
 /// Operations of one thread in one measured run.
 const OPERATIONS: usize = 1 << 17;
-
-/// Vertex `i` of a lattice of 512³ cells, each in a cell of its own, with light in all channels.
-fn vertex(i: u32) -> VertexRecord {
-    let at = |bits: u32| ((bits & 511) as f32 + 0.1) / 1024.0;
-    VertexRecord {
-        position_footprint: [at(i), at(i >> 9), at(i >> 18), 0.0001],
-        direct: [1.0, 0.5, 0.25, 0.0],
-        further: [0.125, 0.3, 0.7, 0.0],
-        seed: i,
-        flags: VertexRecord::VALID,
-        ..VertexRecord::zeroed()
-    }
-}
 
 fn zeroed(words: usize) -> Vec<AtomicU64> {
     (0..words).map(|_| AtomicU64::new(0)).collect()

@@ -7,8 +7,7 @@ mod common;
 use std::hint::black_box;
 use std::time::Duration;
 
-use bytemuck::Zeroable;
-use common::cpu_time;
+use common::{cpu_time, vertex};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hashcache_core::counters::Counters;
 use hashcache_core::hash::pcg;
@@ -26,18 +25,6 @@ use hashgrid::{Params, Settings, Table, Word};
 const CELLS: usize = 1 << 18;
 const KEYS: u32 = 1 << 17;
 const OPERATIONS: usize = 1 << 15;
-
-fn vertex(i: u32) -> VertexRecord {
-    let at = |bits: u32| ((bits & 511) as f32 + 0.1) / 1024.0;
-    VertexRecord {
-        position_footprint: [at(i), at(i >> 9), at(i >> 18), 0.0001],
-        direct: [1.0, 0.5, 0.25, 0.0],
-        further: [0.125, 0.3, 0.7, 0.0],
-        seed: i,
-        flags: VertexRecord::VALID,
-        ..VertexRecord::zeroed()
-    }
-}
 
 fn params() -> Params {
     Params::new(&Settings { jitter: 0.0, ..Settings::default() }).expect("settings of a bench")

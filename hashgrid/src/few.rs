@@ -47,18 +47,17 @@ use core::iter;
 
 use hashcache_core::counters::Counters;
 use hashcache_core::exact::{MAX_DEPOSITS, Quantum};
-use hashcache_core::glam::Vec3;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
-use crate::jitter::{SALT_DEPOSIT, SALT_LOOKUP, turn_back};
+use crate::jitter::{SALT_DEPOSIT, turn_back};
 use crate::key::{Key, coarser, key};
 use crate::layout::Layout;
 use crate::names::Naming;
 use crate::params::Params;
 use crate::sums::Sums;
 use crate::table::{Claim, Table};
-use crate::vertex::{deposit_key, find_named, own_value};
+use crate::vertex::{answer_vertices, deposit_key, find_named};
 
 /// What a search found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -272,29 +271,14 @@ pub fn estimate_by<L: Layout, S: Search>(
     vertices: &[VertexRecord],
     search: &S,
     counters: &mut Counters,
-    mut answer: impl FnMut(usize, Estimate),
+    answer: impl FnMut(usize, Estimate),
 ) {
-    for (i, vertex) in vertices.iter().enumerate() {
-        if !vertex.is_valid() {
-            answer(i, own_value(vertex, counters));
-            continue;
-        }
-        counters.lookups += 1;
-        let found = [SALT_LOOKUP, SALT_DEPOSIT].into_iter().find_map(|salt| {
-            let key = key(params, vertex, salt)?;
-            let own = sums_of(table, &key, &mut counters.probes);
-            let found = search.gather(table, params, &key, own, &mut counters.probes);
-            (found.sums.count > 0).then_some(found)
-        });
-        let Some(Gathered { sums, is_coarser }) = found else {
-            counters.fallbacks += 1;
-            answer(i, own_value(vertex, counters));
-            continue;
-        };
-        counters.hits += 1;
-        counters.coarser += u64::from(is_coarser);
-        let direct = Vec3::from_array(sums.mean_direct(params.quantum()));
-        let further = Vec3::from_array(sums.mean_further(params.quantum()));
-        answer(i, Estimate { direct, further, samples: sums.count, variance: 0.0 });
-    }
+    let sums_for = |vertex: &VertexRecord, salt, counters: &mut Counters| {
+        let key = key(params, vertex, salt)?;
+        let own = sums_of(table, &key, &mut counters.probes);
+        let Gathered { sums, is_coarser } = search.gather(table, params, &key, own, &mut counters.probes);
+        counters.coarser += u64::from(is_coarser && sums.count > 0);
+        Some(sums)
+    };
+    answer_vertices(params, vertices, counters, sums_for, answer);
 }

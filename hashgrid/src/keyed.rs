@@ -5,17 +5,15 @@
 //! functions do what those of [`crate::vertex`] do, one vertex at a time.
 
 use hashcache_core::counters::Counters;
-use hashcache_core::glam::Vec3;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
-use crate::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
 use crate::key::Key;
 use crate::layout::Layout;
 use crate::names::Naming;
 use crate::params::Params;
 use crate::table::{Claim, Table};
-use crate::vertex::{deposit_key, find_named, own_value};
+use crate::vertex::{answer_vertices, deposit_key, find_named};
 
 /// Claims a cell for the key of every recordable vertex. True when some key was refused. Any number of threads may claim
 /// parts of the same vertices.
@@ -62,27 +60,12 @@ pub fn estimate_keyed<L: Layout>(
     vertices: &[VertexRecord],
     key_of: impl Fn(&VertexRecord, u32) -> Option<Key>,
     counters: &mut Counters,
-    mut answer: impl FnMut(usize, Estimate),
+    answer: impl FnMut(usize, Estimate),
 ) {
-    for (i, vertex) in vertices.iter().enumerate() {
-        if !vertex.is_valid() {
-            answer(i, own_value(vertex, counters));
-            continue;
-        }
-        counters.lookups += 1;
-        let found = [SALT_LOOKUP, SALT_DEPOSIT].into_iter().find_map(|salt| {
-            let found = find_named(table, &key_of(vertex, salt)?);
-            counters.probes += u64::from(found.probes);
-            Some(table.sums(found.slot?)).filter(|sums| sums.count > 0)
-        });
-        let Some(sums) = found else {
-            counters.fallbacks += 1;
-            answer(i, own_value(vertex, counters));
-            continue;
-        };
-        counters.hits += 1;
-        let direct = Vec3::from_array(sums.mean_direct(params.quantum()));
-        let further = Vec3::from_array(sums.mean_further(params.quantum()));
-        answer(i, Estimate { direct, further, samples: sums.count, variance: 0.0 });
-    }
+    let sums_for = |vertex: &VertexRecord, salt, counters: &mut Counters| {
+        let found = find_named(table, &key_of(vertex, salt)?);
+        counters.probes += u64::from(found.probes);
+        Some(table.sums(found.slot?))
+    };
+    answer_vertices(params, vertices, counters, sums_for, answer);
 }

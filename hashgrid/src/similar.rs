@@ -39,19 +39,18 @@
 
 use hashcache_core::counters::Counters;
 use hashcache_core::exact::MAX_DEPOSITS;
-use hashcache_core::glam::Vec3;
 use hashcache_core::pack::octahedral_decode_int;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
-use crate::jitter::{SALT_DEPOSIT, SALT_LOOKUP, normal_bin};
+use crate::jitter::{SALT_DEPOSIT, normal_bin};
 use crate::key::{Key, fingerprint, home, key};
 use crate::layout::{Keep, Layout};
 use crate::params::Params;
 use crate::sums::Sums;
 use crate::table::{Claim, Table};
 use crate::tag::{EMPTY, NEW, tag};
-use crate::vertex::{deposit_found, note_all, own_value, quantize_for};
+use crate::vertex::{answer_vertices, deposit_found, note_all, quantize_for};
 
 /// The bits of [`Key::attributes`] that tell the place: all but the normal's bin.
 const PLACE: u32 = !(0x7ff << 8);
@@ -108,28 +107,13 @@ pub fn estimate_similar<L: Layout>(
     vertices: &[VertexRecord],
     least: u32,
     counters: &mut Counters,
-    mut answer: impl FnMut(usize, Estimate),
+    answer: impl FnMut(usize, Estimate),
 ) {
-    for (i, vertex) in vertices.iter().enumerate() {
-        if !vertex.is_valid() {
-            answer(i, own_value(vertex, counters));
-            continue;
-        }
-        counters.lookups += 1;
-        let found = [SALT_LOOKUP, SALT_DEPOSIT].into_iter().find_map(|salt| {
-            let key = key(params, vertex, salt)?;
-            Some(gather(table, params, vertex, &key, least, counters)).filter(|sums| sums.count > 0)
-        });
-        let Some(sums) = found else {
-            counters.fallbacks += 1;
-            answer(i, own_value(vertex, counters));
-            continue;
-        };
-        counters.hits += 1;
-        let direct = Vec3::from_array(sums.mean_direct(params.quantum()));
-        let further = Vec3::from_array(sums.mean_further(params.quantum()));
-        answer(i, Estimate { direct, further, samples: sums.count, variance: 0.0 });
-    }
+    let sums_for = |vertex: &VertexRecord, salt, counters: &mut Counters| {
+        let key = key(params, vertex, salt)?;
+        Some(gather(table, params, vertex, &key, least, counters))
+    };
+    answer_vertices(params, vertices, counters, sums_for, answer);
 }
 
 /// The fingerprints of a place with the bins at and around a normal; the key's own stands for itself and for duplicates.

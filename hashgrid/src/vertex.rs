@@ -10,6 +10,7 @@ use crate::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
 use crate::key::{Key, fingerprint, key};
 use crate::layout::{Keep, Layout};
 use crate::params::Params;
+use crate::sums::Sums;
 use crate::table::{Claim, Found, Quanta, Table};
 use crate::word::{self, Word};
 
@@ -288,6 +289,36 @@ fn estimate_cell<L: Layout>(
         samples: cell.count,
         variance: 0.0,
     })
+}
+
+/// The frame of every lookup that brings its own search. `sums_for(vertex, salt, counters)` is asked with the lookup's
+/// salt, and with the deposit's where that gives no light; failing both, the vertex answers for itself, with 0 samples.
+pub(crate) fn answer_vertices(
+    params: &Params,
+    vertices: &[VertexRecord],
+    counters: &mut Counters,
+    sums_for: impl Fn(&VertexRecord, u32, &mut Counters) -> Option<Sums>,
+    mut answer: impl FnMut(usize, Estimate),
+) {
+    for (i, vertex) in vertices.iter().enumerate() {
+        if !vertex.is_valid() {
+            answer(i, own_value(vertex, counters));
+            continue;
+        }
+        counters.lookups += 1;
+        let found = [SALT_LOOKUP, SALT_DEPOSIT]
+            .into_iter()
+            .find_map(|salt| sums_for(vertex, salt, counters).filter(|sums| sums.count > 0));
+        let Some(sums) = found else {
+            counters.fallbacks += 1;
+            answer(i, own_value(vertex, counters));
+            continue;
+        };
+        counters.hits += 1;
+        let direct = Vec3::from_array(sums.mean_direct(params.quantum()));
+        let further = Vec3::from_array(sums.mean_further(params.quantum()));
+        answer(i, Estimate { direct, further, samples: sums.count, variance: 0.0 });
+    }
 }
 
 pub(crate) fn own_value(vertex: &VertexRecord, counters: &mut Counters) -> Estimate {

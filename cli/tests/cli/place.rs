@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 /// A folder for one run. The command's temporary files would show up in `folder` or `temporary`.
@@ -79,5 +80,26 @@ fn list(folder: &Path, found: &mut Vec<(PathBuf, Vec<u8>)>) {
             let bytes = fs::read(&path).unwrap_or_default();
             found.push((path, bytes));
         }
+    }
+}
+
+/// Checks that the keys of statistics that scripts rely on are there.
+#[track_caller]
+pub fn has_stats(stats: &Value) {
+    for key in [
+        "scene",
+        "backend",
+        "settings",
+        "needs",
+        "plan",
+        "time_s",
+        "cpu_s",
+        "rays",
+        "cache",
+        "peak_rss_bytes",
+        "samples_per_pixel",
+        "frames",
+    ] {
+        assert!(!stats[key].is_null(), "{key} is missing in {stats}");
     }
 }
