@@ -25,13 +25,9 @@ impl HeatMap {
             let line = format!("--heat-map {}: it is colours for a screen; name a .png", path.display());
             return Err(Failure::usage(line));
         }
-        let same = |input: &&Path| matches!((path.canonicalize(), input.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        if let Some(input) = inputs.iter().find(|input| same(input)) {
-            let line =
-                format!("--heat-map {}: is {}, which is compared; name another file", path.display(), input.display());
-            return Err(Failure::usage(line));
-        }
-        Ok(Self { place: uninterrupted(|| Place::check(path))?, metric })
+        let place = uninterrupted(|| Place::check(path))?;
+        place.refuse_inputs(inputs)?;
+        Ok(Self { place, metric })
     }
 
     /// Draws it.

@@ -6,6 +6,7 @@ use hashcache::{Preview, Stats};
 use crate::args::{Info, Plan};
 use crate::failure::Failure;
 use crate::interrupt::uninterrupted;
+use crate::outputs::{inputs, stats_bytes};
 use crate::place::{Place, Staged};
 
 /// What a scene holds; all built-in scenes for `builtin:`.
@@ -23,6 +24,9 @@ pub fn scene(args: &Info) -> Result<String, Failure> {
 pub fn plan(args: &Plan) -> Result<String, Failure> {
     let settings = args.settings.settings()?;
     let place = uninterrupted(|| args.stats.as_deref().map(Place::check).transpose())?;
+    if let Some(place) = &place {
+        place.refuse_inputs(inputs(&args.scene, &settings))?;
+    }
     let preview = Preview::open(&args.scene, &settings)?;
     let plan = if args.measure {
         let mut backend = preview.backend()?;
@@ -32,9 +36,8 @@ pub fn plan(args: &Plan) -> Result<String, Failure> {
     };
     if let Some(place) = place {
         let stats = Stats { saved: plan.saved.clone(), ..preview.outlook() };
-        let mut text = serde_json::to_vec_pretty(&stats).map_err(|error| Failure::other(error.to_string()))?;
-        text.push(b'\n');
-        uninterrupted(|| place.stage_bytes(&text).and_then(Staged::commit))?;
+        let bytes = stats_bytes(&stats)?;
+        uninterrupted(|| place.stage_bytes(&bytes).and_then(Staged::commit))?;
     }
     let (width, height) = preview.size();
     let head = format!("{}: {width}x{height}, ", args.scene.escape_debug());

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use hashcache::ToneMapping;
 use hashcache::image_file::{self, Format, Image};
+use hashcache::{Settings, Stats, ToneMapping};
 
 use crate::failure::Failure;
 use crate::folder::Folder;
@@ -26,8 +26,9 @@ impl Outputs {
         images: &[PathBuf],
         stats: Option<&Path>,
         aovs: Option<&Path>,
-        tone: ToneMapping,
+        settings: &Settings,
     ) -> Result<Self, Failure> {
+        let tone = settings.tone_mapping();
         let formats = images.iter().map(|path| image_file::format_of(path)).collect::<Result<Vec<_>, _>>()?;
         let unnamed = images.is_empty() && stats.is_none() && aovs.is_none();
         if !unnamed && !formats.contains(&Format::Png) {
@@ -42,6 +43,7 @@ impl Outputs {
         })?;
         let places: Vec<_> = outputs.places().collect();
         for (i, place) in places.iter().enumerate() {
+            place.refuse_inputs(inputs(scene, settings))?;
             if places[..i].iter().any(|earlier| earlier.is(place)) {
                 return Err(Failure::usage(format!(
                     "{}: named for two outputs; leave one out",
@@ -94,6 +96,18 @@ impl Outputs {
         let names = self.places().map(Place::path).chain(self.aovs.as_ref().map(Folder::path));
         names.map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
     }
+}
+
+/// The files that a scene and its settings name.
+pub fn inputs<'a>(scene: &'a str, settings: &'a Settings) -> impl Iterator<Item = &'a Path> {
+    [Some(Path::new(scene)), settings.env.as_deref(), settings.camera.as_deref().map(Path::new)].into_iter().flatten()
+}
+
+/// Statistics as a file's bytes.
+pub fn stats_bytes(stats: &Stats) -> Result<Vec<u8>, Failure> {
+    let mut text = serde_json::to_vec_pretty(stats).map_err(|error| Failure::other(error.to_string()))?;
+    text.push(b'\n');
+    Ok(text)
 }
 
 /// Refuses exposure and curve where `output` holds radiance as it is.

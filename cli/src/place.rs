@@ -58,6 +58,19 @@ impl Place {
         (&self.folder, &self.name) == (&other.folder, &other.name)
     }
 
+    /// Refuses a place that one of the files to be read has.
+    pub fn refuse_inputs<'a>(&self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+        let same = |input: &Path| matches!((self.path.canonicalize(), input.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        match inputs.into_iter().find(|input| same(input)) {
+            None => Ok(()),
+            Some(input) => Err(Failure::usage(format!(
+                "{}: is {}, which is read; name another file",
+                self.path.display(),
+                input.display()
+            ))),
+        }
+    }
+
     /// Writes a picture beside the place, in the format of the name's ending.
     pub fn stage_image(self, image: &Image, tone: ToneMapping) -> Result<Staged, Failure> {
         let (folder, file) = self.stage()?;

@@ -8,7 +8,7 @@ use hashcache::{Preview, Settings};
 
 use crate::args::Render;
 use crate::failure::Failure;
-use crate::outputs::Outputs;
+use crate::outputs::{Outputs, stats_bytes};
 use crate::progress::Display;
 
 /// Renders and writes all files.
@@ -19,13 +19,7 @@ pub fn run(args: &Render) -> Result<(), Failure> {
             "--aov does not go with cache=none and filter=none, which keep nothing but radiance; use a cache or a filter",
         ));
     }
-    let outputs = Outputs::check(
-        &args.scene,
-        &args.outputs,
-        args.stats.as_deref(),
-        args.aov.as_deref(),
-        settings.tone_mapping(),
-    )?;
+    let outputs = Outputs::check(&args.scene, &args.outputs, args.stats.as_deref(), args.aov.as_deref(), &settings)?;
     let mut display = Display::new(args.quiet);
     let preview = open(&mut display, &args.scene, &settings, None)?;
     for warning in preview.warnings() {
@@ -41,9 +35,7 @@ pub fn run(args: &Render) -> Result<(), Failure> {
     let image = frame?.image;
     let aovs = if outputs.want_aovs() { session.aovs()? } else { Vec::new() };
     let stats = session.stats()?;
-    let mut text = serde_json::to_vec_pretty(&stats).map_err(|error| Failure::other(error.to_string()))?;
-    text.push(b'\n');
-    outputs.write(&image, &text, &aovs)?;
+    outputs.write(&image, &stats_bytes(&stats)?, &aovs)?;
     let seconds = stats.time_s.render;
     display.line(&format!("{}: {}x{}, rendered in {seconds:.2} s", outputs.names(), image.width, image.height));
     Ok(())

@@ -24,8 +24,8 @@
 //!   independent runs with a reference of known variance, block by block, and its false alarms have a known probability.
 //!
 //! # Memory
-//! Two images in, numbers out. Meanwhile [`rel_mse_trimmed`] and [`rel_mse_map`] hold 8 bytes a pixel, [`ms_ssim`] 20 bytes a pixel and
-//! 440 bytes a column, [`flip`] 4 bytes a pixel and 2.6 kB a column, [`block_test`] 288 bytes a block of 256 pixels:
+//! Two images in, numbers out. Meanwhile [`rel_mse_trimmed`] and [`rel_mse_map`] hold 8 bytes a pixel, [`ms_ssim`] 20 bytes
+//! a pixel and 440 bytes a column, [`flip`] 4 bytes a pixel and 2.6 kB a column, [`block_test`] 288 bytes a block of 256 pixels:
 //! for 1024×576 4.5, 11.7, 4.8 and 0.6 MiB.
 //!
 //! # Determinism
