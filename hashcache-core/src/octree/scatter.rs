@@ -18,22 +18,25 @@ pub(super) fn luminance(rgb: Vec3) -> f32 {
     0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z
 }
 
-/// The variance of a mean over levels, each of which holds the samples of all finer ones.
+/// The variance of a mean over levels, each of which holds the samples of all finer ones, or nearly: every level has its own jitter.
 #[derive(Clone, Copy)]
 pub(super) struct Scatter {
-    /// `Σ w_l·w_m / max(n_l, n_m)` over pairs of levels: the share of a sample's variance that the mean has, as the
+    /// `Σ w_l·w_m / max(n_l, n_m)` over pairs of settled levels: the share of a sample's variance that the mean has, as the
     /// covariance of two means, one of whose samples are among the other's, is the variance of a sample over the larger number.
     share: f32,
-    /// `Σ w_l`.
+    /// `Σ w_l` of the settled levels.
     weight: f32,
-    /// Standard deviation of a sample, and the number of samples, of the coarsest level.
-    deviation: f32,
+    /// Samples of the settled level that has most.
+    most: f32,
+    /// Share in the mean, number of samples and a sample's standard deviation of the coarsest level, which is not settled.
+    own: f32,
     count: f32,
+    deviation: f32,
 }
 
 impl Scatter {
     /// Of no level yet.
-    pub(super) const NONE: Self = Self { share: 0.0, weight: 0.0, deviation: 0.0, count: 1.0 };
+    pub(super) const NONE: Self = Self { share: 0.0, weight: 0.0, most: 0.0, own: 0.0, count: 1.0, deviation: 0.0 };
 
     /// Variance of a sample over the squared mean, from `count` samples of mean luminance `mean` and root mean square
     /// `scatter`.
@@ -53,22 +56,25 @@ impl Scatter {
     /// Adds a level coarser than those before, of the share `weight`.
     #[inline]
     pub(super) fn add(&mut self, weight: f32, mean: f32, relative: f32, count: u32) {
+        self.settle();
+        self.own = weight;
         self.count = count as f32;
         self.deviation = mean * float::sqrt(relative);
-        self.blend(weight);
     }
 
     #[inline]
-    fn blend(&mut self, weight: f32) {
-        self.share += weight * (weight + 2.0 * self.weight) / self.count;
-        self.weight += weight;
+    fn settle(&mut self) {
+        self.most = self.most.max(self.count);
+        self.share += self.own * (self.own / self.count + 2.0 * self.weight / self.most);
+        self.weight += self.own;
     }
 
     /// The variance, when the coarsest level has the share `left` beside what it was added with: above 0, and at most
     /// [`f32::MAX`].
     #[inline]
     pub(super) fn variance(mut self, left: f32) -> f32 {
-        self.blend(left);
+        self.own += left;
+        self.settle();
         let deviation = self.deviation * float::sqrt(self.share);
         (deviation * deviation).clamp(f32::MIN_POSITIVE, f32::MAX)
     }
@@ -100,6 +106,16 @@ mod tests {
         let first = w + (1.0 - w) * n / m;
         let expected = 4.0 * ASSUMED * (first * first / n + (1.0 - first) * (1.0 - first) / (m - n));
         assert!((scatter.variance(0.6) / expected - 1.0).abs() < 1e-5);
+    }
+
+    /// Jitter may find fewer samples in a coarser level: the mean gains nothing from them, but is no noisier than they are.
+    #[test]
+    fn a_sparse_coarser_level_adds_what_it_weighs() {
+        let mut scatter = Scatter::NONE;
+        scatter.add(0.9, 2.0, ASSUMED, 100);
+        scatter.add(0.05, 2.0, ASSUMED, 1);
+        let share = 0.9 * 0.9 / 100.0 + 0.1 * 0.1 / 1.0 + 2.0 * 0.9 * 0.1 / 100.0;
+        assert!((scatter.variance(0.05) / (4.0 * ASSUMED * share) - 1.0).abs() < 1e-5);
     }
 
     #[test]
