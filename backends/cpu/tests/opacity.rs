@@ -11,7 +11,7 @@ use hashcache_core::texel::Wrap;
 use hashcache_core::traits::RayCaster;
 use proptest::prelude::*;
 
-use rays_model::{Numbers, Soup, place, rays, soup};
+use rays_model::{Numbers, Soup, interval_is_open, place, rays, soup};
 
 /// Triangles, some with masks.
 struct Lace {
@@ -252,6 +252,21 @@ fn masks_without_holes_take_nothing() {
 }
 
 #[test]
+fn masks_that_share_an_image_keep_their_own_holes() {
+    // The second mask sees a value more than the first, the third has another cutoff: only the second has a hole.
+    let mut lace = Lace::of_holes(soup(61, 600, 1.0, 0.4), |_| true);
+    let kept: Vec<u32> = (0..600).filter(|i| i % 3 != 1).collect();
+    let corners = |i: &u32| lace.soup.indices[*i as usize].map(|c| Vec3::from(lace.soup.positions[c as usize]));
+    let rest = Soup::new(&kept.iter().map(corners).collect::<Vec<_>>());
+    lace.mask_of_triangle = (0..600).map(|i| i % 3).collect();
+    lace.masks = vec![PLAIN, OpacityMask { width: 2, ..PLAIN }, OpacityMask { width: 2, cutoff: 0.0, ..PLAIN }];
+    lace.alpha = vec![255, 0];
+    lace.uv.fill([[0.75, 0.5]; 3]);
+    let met = same(&lace.scene(), &rest.scene(), &rays(62, 1.0, 1000), |i| kept[i as usize]);
+    assert!(met > 400, "{met}");
+}
+
+#[test]
 fn of_equal_triangles_the_first_without_a_hole_is_met() {
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
     for first in [1, 3, 50, 199] {
@@ -302,18 +317,6 @@ proptest! {
 
     #[test]
     fn the_interval_is_open(seed in any::<u32>(), count in 1usize..60) {
-        let scene = Lace::new(soup(seed, count, 1.0, 0.8), seed, 3.0).scene();
-        for ray in rays(seed ^ 1, 1.0, 20) {
-            let Some(hit) = scene.closest(&ray) else { continue };
-            let before = Ray { t_max: hit.t, ..ray };
-            prop_assert_eq!(scene.closest(&before), None);
-            prop_assert!(!scene.occluded(&before));
-            let beyond = Ray { t_min: hit.t, ..ray };
-            let next = scene.closest(&beyond);
-            prop_assert_eq!(scene.occluded(&beyond), next.is_some());
-            prop_assert!(next.is_none_or(|next| next.t > hit.t));
-            let just = Ray { t_max: hit.t.next_up(), ..ray };
-            prop_assert_eq!(scene.closest(&just), Some(hit));
-        }
+        interval_is_open(&Lace::new(soup(seed, count, 1.0, 0.8), seed, 3.0).scene(), &rays(seed ^ 1, 1.0, 20));
     }
 }

@@ -10,7 +10,7 @@ use hashcache_core::geometry::{Geometry, Instance, Mesh, Ray};
 use hashcache_core::traits::RayCaster;
 use proptest::prelude::*;
 
-use rays_model::{Numbers, Soup, compare, rays, soup};
+use rays_model::{Numbers, Soup, compare, interval_is_open, rays, soup};
 
 #[test]
 fn hits_are_those_of_the_model_at_every_scale() {
@@ -243,20 +243,7 @@ proptest! {
     #[test]
     fn the_interval_is_open(seed in any::<u32>(), count in 1usize..40, exponent in -4i32..8) {
         let scale = 10f32.powi(exponent);
-        let scene = soup(seed, count, scale, 0.8).scene();
-        for ray in rays(seed ^ 1, scale, 20) {
-            let Some(hit) = scene.closest(&ray) else { continue };
-            let before = Ray { t_max: hit.t, ..ray };
-            prop_assert_eq!(scene.closest(&before), None);
-            prop_assert!(!scene.occluded(&before));
-            let beyond = Ray { t_min: hit.t, ..ray };
-            let next = scene.closest(&beyond);
-            prop_assert_eq!(scene.occluded(&beyond), next.is_some());
-            prop_assert!(next.is_none_or(|next| next.t > hit.t));
-            let just = Ray { t_max: hit.t.next_up(), ..ray };
-            prop_assert_eq!(scene.closest(&just), Some(hit));
-            prop_assert!(hit.u >= 0.0 && hit.v >= 0.0 && hit.u + hit.v <= 1.000_001);
-        }
+        interval_is_open(&soup(seed, count, scale, 0.8).scene(), &rays(seed ^ 1, scale, 20));
     }
 
     #[test]

@@ -97,11 +97,31 @@ impl OpacityMask {
     /// assert!(!mask.has_holes(&[255, 128]));
     /// ```
     pub fn has_holes(&self, alpha: &[u8]) -> bool {
+        self.has_holes_in(self.alpha_range(alpha))
+    }
+
+    /// Smallest and largest of the mask's values. Masks that share an image share them.
+    ///
+    /// # Panics
+    /// As [`OpacityMask::passes`].
+    pub fn alpha_range(&self, alpha: &[u8]) -> [u8; 2] {
         let first = self.first_alpha as usize;
         let image = &alpha[first..first + self.width as usize * self.height as usize];
+        image.iter().fold([u8::MAX, 0], |[low, high], &x| [low.min(x), high.max(x)])
+    }
+
+    /// [`OpacityMask::has_holes`] where the [range](OpacityMask::alpha_range) of the values is known.
+    ///
+    /// ```
+    /// # use hashcache_core::geometry::OpacityMask;
+    /// let mut mask: OpacityMask = bytemuck::Zeroable::zeroed();
+    /// (mask.cutoff, mask.factor) = (0.5, 1.0);
+    /// assert!(mask.has_holes_in([127, 255]));
+    /// assert!(!mask.has_holes_in([128, 255]));
+    /// ```
+    pub fn has_holes_in(&self, range: [u8; 2]) -> bool {
         // What lies between values lies between their ends, so the extremes speak for all.
-        let ends = image.iter().fold([u8::MAX, 0], |[low, high], &x| [low.min(x), high.max(x)]);
-        ends.iter().any(|&x| self.is_below(u32::from(x) * STEPS * STEPS))
+        range.iter().any(|&x| self.is_below(u32::from(x) * STEPS * STEPS))
     }
 
     #[inline]

@@ -4,6 +4,8 @@
 //! nothing here is left. In the second, the word of a triangle in its block says whether it has a mask; only then is
 //! anything looked up.
 
+use std::collections::HashMap;
+
 use hashcache_core::geometry::{Geometry, Opacity, OpacityMask};
 
 /// What is asked of a meeting before it counts.
@@ -78,7 +80,13 @@ impl Masks {
     /// The masks of a checked geometry; `None` when no ray could pass any.
     pub(super) fn new(geometry: &Geometry<'_>) -> Option<Self> {
         let opacity = &geometry.opacity;
-        let open: Vec<bool> = opacity.masks.iter().map(|mask| mask.has_holes(opacity.alpha)).collect();
+        // Many masks may share an image, which is looked through once.
+        let mut ranges = HashMap::new();
+        let is_open = |mask: &OpacityMask| {
+            let image = (mask.first_alpha, mask.width, mask.height);
+            mask.has_holes_in(*ranges.entry(image).or_insert_with(|| mask.alpha_range(opacity.alpha)))
+        };
+        let open: Vec<bool> = opacity.masks.iter().map(is_open).collect();
         let mut masks =
             Self { slots: Vec::new(), mask_of_slot: Vec::new(), uv: Vec::new(), kinds: Vec::new(), alpha: Vec::new() };
         for (triangle, &mask) in opacity.mask_of_triangle.iter().enumerate() {

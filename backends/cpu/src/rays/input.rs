@@ -4,7 +4,7 @@ use backend_api::Error;
 use glam::Vec3;
 use hashcache_core::geometry::{Geometry, Instance, OpacityError};
 
-use super::holes::Masks;
+use super::holes::{MASKED, Masks};
 use super::layout::{Block, LEAF};
 use super::mesh::Numbered;
 
@@ -17,11 +17,9 @@ pub(super) fn check(geometry: &Geometry<'_>) -> Result<(), Error> {
     let mut total = 0u64;
     for instance in geometry.instances {
         let mesh = geometry.meshes.get(instance.mesh as usize).ok_or_else(|| bad(instance.mesh, 1))?;
-        total += mesh.triangle_count as u64;
+        total = total.saturating_add(mesh.triangle_count as u64);
     }
-    if total >= 1 << 30 {
-        return Err(Error::OutOfMemory { size: total * (size_of::<Block>() / LEAF) as u64 });
-    }
+    countable(total, geometry.indices.len() as u64)?;
     for mesh in geometry.meshes {
         let end = mesh.first_triangle as u64 + mesh.triangle_count as u64;
         if end > geometry.indices.len() as u64 {
@@ -45,6 +43,16 @@ pub(super) fn check(geometry: &Geometry<'_>) -> Result<(), Error> {
     })
 }
 
+/// Numbers of triangles must leave [`MASKED`] free: those of copied meshes count what is placed, those of meshes kept by
+/// reference are places in the list.
+fn countable(placed: u64, listed: u64) -> Result<(), Error> {
+    let most = placed.max(listed);
+    if most < u64::from(MASKED) {
+        return Ok(());
+    }
+    Err(Error::OutOfMemory { size: most.saturating_mul((size_of::<Block>() / LEAF) as u64) })
+}
+
 /// The triangles of a placed mesh that rays can meet.
 pub(super) fn triangles(
     geometry: &Geometry<'_>,
@@ -66,4 +74,18 @@ pub(super) fn triangles(
         }
     }
     triangles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn as_many_triangles_as_numbers_leave_room_for() {
+        let most = u64::from(MASKED) - 1;
+        assert!(countable(most, most).is_ok());
+        for (placed, listed) in [(most + 1, 1), (1, most + 1), (u64::MAX, 0)] {
+            assert!(matches!(countable(placed, listed), Err(Error::OutOfMemory { .. })), "{placed} {listed}");
+        }
+    }
 }

@@ -94,7 +94,7 @@ impl CpuScene {
     ///
     /// # Errors
     /// [`Error::BadRange`] when an index, mesh or instance names something that is not there, or a mask does;
-    /// [`Error::OutOfMemory`] for more than 2³⁰ triangles.
+    /// [`Error::OutOfMemory`] for 2³⁰ triangles or more, listed or placed.
     pub fn build(geometry: &Geometry<'_>) -> Result<Self, Error> {
         check(geometry)?;
         let mut uses = vec![0u64; geometry.meshes.len()];

@@ -161,3 +161,21 @@ pub fn soup(seed: u32, count: usize, scale: f32, size: f32) -> Soup {
     };
     Soup::new(&(0..count).map(triangle).collect::<Vec<_>>())
 }
+
+/// Whatever lies at an end of a ray's interval is not met: neither by the ray that ends where the first meeting is, nor
+/// by the one that starts there.
+pub fn interval_is_open(scene: &CpuScene, rays: &[Ray]) {
+    for ray in rays {
+        let Some(hit) = scene.closest(ray) else { continue };
+        assert!(hit.u >= 0.0 && hit.v >= 0.0 && hit.u + hit.v <= 1.000_001, "{ray:?} {hit:?}");
+        let before = Ray { t_max: hit.t, ..*ray };
+        assert_eq!(scene.closest(&before), None, "{before:?}");
+        assert!(!scene.occluded(&before), "{before:?}");
+        let beyond = Ray { t_min: hit.t, ..*ray };
+        let next = scene.closest(&beyond);
+        assert_eq!(scene.occluded(&beyond), next.is_some(), "{beyond:?}");
+        assert!(next.is_none_or(|next| next.t > hit.t), "{beyond:?} {next:?}");
+        let just = Ray { t_max: hit.t.next_up(), ..*ray };
+        assert_eq!(scene.closest(&just), Some(hit), "{just:?}");
+    }
+}
