@@ -59,7 +59,15 @@ fn sample(x: u32, y: u32, sample: u32) -> (VertexRecord, Estimate) {
         ..VertexRecord::zeroed()
     };
     let samples = if c > 0.02 { (c * 100.0) as u32 } else { 0 };
-    (record, Estimate { direct: Vec3::ZERO, further: Vec3::new(light, light * 0.8, 0.5), samples, variance: 0.0 })
+    (
+        record,
+        Estimate {
+            direct: Vec3::ZERO,
+            further: Vec3::new(light, light * 0.8, 0.5),
+            samples,
+            variance: 0.04 * light * light,
+        },
+    )
 }
 
 struct Case {
@@ -160,6 +168,11 @@ fn filters(c: &mut Criterion) {
     passes(c, &case, "bilateral_surface", &bilateral(&surface, 8.0));
     let by_samples = bilateral(&surface, 8.0).with_radius_by_samples(400.0).expect("settings of a bench");
     passes(c, &case, "bilateral_surface_by_samples", &by_samples);
+    // What a picture's layer has by default: a wide pass and a narrow one, of half as many taps each.
+    let wide = bilateral(&surface, 8.0)
+        .with_radius_by_samples(400.0)
+        .and_then(|filter| filter.with_wide_pass(&surface, 24.0, 5000.0, 2.0));
+    passes(c, &case, "bilateral_wide_and_narrow", &wide.expect("settings of a bench"));
     passes(c, &case, "bilateral_deviation", &bilateral(&deviation, 16.0));
     passes(c, &case, "atrous_9x4_deviation", &atrous(&deviation, Taps::Nine, 4));
     passes(c, &case, "atrous_25x3_deviation", &atrous(&deviation, Taps::TwentyFive, 3));
