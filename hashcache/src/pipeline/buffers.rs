@@ -44,11 +44,22 @@ pub(crate) fn create<B: Backend>(backend: &mut B, name: &'static str, size: u64)
     Ok(Binding { buffer, offset: 0, size })
 }
 
-/// A buffer of these bytes.
-pub(crate) fn upload<B: Backend>(backend: &mut B, name: &'static str, bytes: &[u8]) -> Result<Binding, BackendError> {
-    let binding = create(backend, name, bytes.len() as u64)?;
-    backend.write(binding.buffer, 0, bytes)?;
-    Ok(binding)
+/// Buffers of these bytes: all of them, or none and an error.
+pub(crate) fn upload_all<B: Backend, const N: usize>(
+    backend: &mut B,
+    all: [(&'static str, &[u8]); N],
+) -> Result<[Binding; N], BackendError> {
+    let mut made = Vec::with_capacity(N);
+    let result = all.iter().try_for_each(|(name, bytes)| {
+        let binding = create(backend, name, bytes.len() as u64)?;
+        made.push(binding);
+        backend.write(binding.buffer, 0, bytes)
+    });
+    if let Err(error) = result {
+        made.iter().try_for_each(|binding| backend.destroy(binding.buffer))?;
+        return Err(error);
+    }
+    Ok(std::array::from_fn(|k| made[k]))
 }
 
 /// The bytes of a binding, waited for.

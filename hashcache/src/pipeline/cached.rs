@@ -8,6 +8,7 @@ use pt_integrator::camera::CameraRays;
 use pt_integrator::kernels::{FIRST_VERTICES, FirstParams, trace_records};
 use pt_integrator::path::PathSettings;
 
+use super::batches::{at_once, looks};
 use super::cache::Cache;
 use super::{Error, Pass, Resident, Work, create, look, part};
 use crate::choice::CacheKind;
@@ -16,9 +17,6 @@ use crate::image_file::Image;
 use crate::preview::{Preview, Progress};
 use crate::settings::Settings;
 use crate::stats::CacheStats;
-
-/// Vertex records of one batch: 2¹⁹ · 96 bytes stay below 64 MiB and below every device's binding limit.
-const BATCH: u32 = 1 << 19;
 
 /// A cache, a filter, and the buffers between them.
 #[derive(Debug)]
@@ -59,8 +57,7 @@ impl Cached {
         let scaled = |side: u32| ((f64::from(side) * f64::from(settings.crf)).round() as u32).max(1);
         let paths = [scaled(camera.width), scaled(camera.height)];
         let store = settings.store;
-        // Even, so that pixels' sums of a batch begin at a multiple of 256 bytes.
-        let (total, at_once) = (paths[0].saturating_mul(paths[1]), (BATCH / store) & !1);
+        let (total, at_once) = (paths[0].saturating_mul(paths[1]), at_once(store));
         let cache = Cache::new(backend, preview, resident, total.saturating_mul(store))?;
         let mut batches: Vec<Batch> = Vec::new();
         // Shown after the whole pass.
@@ -74,7 +71,7 @@ impl Cached {
             batches.push(Batch { first, count, records });
         }
         let layers = plan.layers;
-        let looks = camera.pixels().saturating_mul(layers).min(BATCH);
+        let looks = looks(camera.pixels(), layers);
         let visible = create(backend, "visible", u64::from(looks) * record_bytes(1) as u64)?;
         let estimates = create(backend, "estimates", u64::from(looks) * size_of::<EstimateRecord>() as u64)?;
         Ok(Self { cache, filter, paths, batches, visible, estimates, gathered: 0, layers })
@@ -195,8 +192,7 @@ impl Cached {
         sample: u32,
         work: &mut Work,
     ) -> Result<(), Error> {
-        // A multiple of 16, so that pixels' sums of a batch begin at a multiple of 256 bytes.
-        let at_once = (BATCH / self.layers) & !15;
+        let at_once = at_once(self.layers);
         for first in (0..pass.resident.pixels).step_by(at_once as usize) {
             let count = at_once.min(pass.resident.pixels - first);
             let records = part(self.visible, record_bytes(self.layers), 0, count);

@@ -1,6 +1,7 @@
 //! One pipeline for every backend: runs a plan, frame after frame.
 
 mod aov;
+pub(crate) mod batches;
 mod buffers;
 mod cache;
 mod cached;
@@ -24,7 +25,7 @@ use crate::settings::Settings;
 use crate::stats::{CacheStats, Rays};
 
 pub(crate) use buffers::{Work, read};
-use buffers::{create, part, upload};
+use buffers::{create, part, upload_all};
 use cached::Cached;
 
 /// Paths of one submission without a cache: often enough to show progress, seldom enough to cost nothing.
@@ -192,14 +193,23 @@ impl Pipeline {
 }
 
 impl Resident {
+    /// Uploads the scene: all or nothing.
     fn new<B: Backend>(backend: &mut B, packed: &PackedScene, pixels: u32) -> Result<Self, BackendError> {
-        Ok(Self {
-            triangles: upload(backend, "triangles", packed.triangle_bytes())?,
-            scene: upload(backend, "scene", packed.scene_bytes())?,
-            texels: upload(backend, "texels", packed.texel_bytes())?,
-            counters: create(backend, "ray counters", RayCounts::WORDS as u64 * 8)?,
-            pixels,
-        })
+        let counters = vec![0; RayCounts::WORDS * 8];
+        let all = [
+            ("triangles", packed.triangle_bytes()),
+            ("scene", packed.scene_bytes()),
+            ("texels", packed.texel_bytes()),
+            ("ray counters", &counters),
+        ];
+        let [triangles, scene, texels, counters] = upload_all(backend, all)?;
+        Ok(Self { triangles, scene, texels, counters, pixels })
+    }
+
+    /// Gives the buffers back.
+    fn release<B: Backend>(self, backend: &mut B) -> Result<(), BackendError> {
+        let Self { triangles, scene, texels, counters, pixels: _ } = self;
+        [triangles, scene, texels, counters].iter().try_for_each(|binding| backend.destroy(binding.buffer))
     }
 
     fn ray_counts<B: Backend>(&self, backend: &mut B) -> Result<RayCounts, BackendError> {

@@ -85,8 +85,13 @@ impl PackedScene {
     /// Adds these bits of [`Needs`] to the scene's: features are then looked for in vain, and the picture stays the
     /// same. To measure what leaving them out saves.
     pub fn force_needs(&mut self, bits: u32) {
-        // The header's first word.
-        self.words[0] = Needs::from_bits(self.words[0]).with(bits).bits();
+        self.words[0] = self.forced_needs(bits);
+    }
+
+    /// The first word of [`scene_bytes`](Self::scene_bytes) as [`force_needs`](Self::force_needs) would make it; the other
+    /// words stay as they are.
+    pub fn forced_needs(&self, bits: u32) -> u32 {
+        self.needs().with(bits).bits()
     }
 }
 
