@@ -53,6 +53,15 @@ pub(crate) struct Filters {
     pub carried: Filter,
 }
 
+/// Whether a wide pass comes before the others: over light of a cache that tells how noisy its answers are, which is the
+/// octree, by the denoiser that has one.
+pub(crate) fn has_wide_pass(settings: &Settings) -> bool {
+    settings.filter != FilterKind::None
+        && settings.cache == CacheKind::Octree
+        && settings.denoiser == DenoiserKind::CrossBilateral
+        && settings.filter_wide_radius > 0.0
+}
+
 /// The denoisers for pixels of `samples` samples.
 pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Result<Filters, ParamError> {
     if settings.filter == FilterKind::None {
@@ -77,8 +86,7 @@ pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Res
         },
         ..WeightSettings::PAPER
     };
-    // The octree tells how noisy its answers are.
-    let wide = settings.cache == CacheKind::Octree && settings.filter_wide_radius > 0.0;
+    let wide = has_wide_pass(settings);
     let of = |radius: f32, by_samples: f32, wide: bool| -> Result<Filter, ParamError> {
         let passes = settings.filter_passes;
         Ok(match settings.denoiser {

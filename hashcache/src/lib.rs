@@ -23,10 +23,16 @@
 //! `cpu` (default): the serial and rayon launchers. Without it, bring a backend.
 //!
 //! # Memory
-//! Beside the scene, a pixel: 32 bytes of film; with a cache or a filter 96 of records, 96 of vertices that are only looked at
-//! (both for the largest batch of 2¹⁹), 32 of estimates and about 270 of sums, guides and light; 128 to 208 for each further
-//! layer behind mirrors and glass. The octree: 46 bytes a cell, 1 GiB at most by default, and 56 a path of an open frame;
-//! the grid: 64 a slot, by default one slot a pixel rounded up to a power of two. [`Stats`] has the figures of a run.
+//! Beside the scene, a pixel: 32 bytes of film; with a cache or a filter also
+//! - 96 of records a stored vertex of its path; 2¹⁹ records at most, except where the paths are shown themselves: without
+//!   a cache, and in scenes without gloss at `cache.crf` 1;
+//! - 128 of a vertex that is only looked at and its estimate, a layer; for 2¹⁹ vertices at most;
+//! - 256 of sums, guides and light, 272 with direct light apart; 133 to 240 more for each further layer behind mirrors and
+//!   glass.
+//!
+//! The octree: about 54 bytes a cell (48 of light, 4 of normal, 1.4 to 3.4 of tables), 1 GiB at most by default, and 56 a
+//! stored vertex of an open frame; the grid: 64 a slot, by default one slot a pixel rounded up to a power of two. [`Stats`]
+//! has the figures of a run.
 //!
 //! # Determinism
 //! Same scene, settings and seed: the same bits, for any number of threads and either launcher.

@@ -5,7 +5,7 @@ use pt_integrator::scene::{Environment, Lobes, Material, NONE, Needs as Bits, Sc
 use serde::Serialize;
 
 /// Roughness from which on a lobe is so wide that light through it is filtered once more.
-const LEAST_ROUGHNESS: f32 = layered_filter::front::LEAST_ROUGHNESS;
+pub(crate) const LEAST_ROUGHNESS: f32 = layered_filter::front::LEAST_ROUGHNESS;
 
 /// What a scene holds that a frame must model.
 #[expect(clippy::struct_excessive_bools, reason = "features are there or not, and stats name each by its key")]
@@ -46,11 +46,7 @@ pub struct Needs {
 /// Looks at everything once.
 pub fn needs(scene: &SceneData, packed: &PackedScene) -> Needs {
     let bits = packed.needs();
-    let emissive_in = |mesh: u32| -> u64 {
-        let mesh = &scene.meshes[mesh as usize];
-        let run = mesh.first_triangle as usize..(mesh.first_triangle + mesh.triangle_count) as usize;
-        scene.triangle_shading[run].iter().filter(|triangle| triangle.emitter != NONE).count() as u64
-    };
+    let emissive_in = |mesh: u32| scene.emitting_triangles(scene.meshes[mesh as usize]);
     let used = used_materials(scene);
     let lobes = used.iter().fold(Lobes::NONE, |lobes, material| lobes | material.lobes());
     let named = [

@@ -1,7 +1,8 @@
 //! Why a frame has its stages, in words.
 
 use crate::choice::{CacheKind, Choice as _, DirectLight, FilterKind};
-use crate::needs::Needs;
+use crate::filter::has_wide_pass;
+use crate::needs::{LEAST_ROUGHNESS, Needs};
 use crate::settings::Settings;
 
 /// What reasons are given by.
@@ -51,22 +52,28 @@ impl Reasons<'_> {
 
     pub fn filter(&self) -> String {
         let (denoiser, passes) = (self.settings.denoiser.name(), self.settings.filter_passes);
-        let over = format!("{denoiser}, passes: {passes}, over the light without albedo");
+        let wide = match self.settings.filter_wide_radius {
+            radius if has_wide_pass(self.settings) => {
+                format!(", after a wide one of up to {radius} pixels over the cache's light in the first layer")
+            }
+            _ => String::new(),
+        };
+        let over = format!("{denoiser} over the light without albedo, passes: {passes}{wide}");
         let rough = if self.needs.rough_lobes { "; through rough lobes once more" } else { "" };
         match (self.settings.filter, self.layers) {
             (FilterKind::None, _) => {
                 "no filter: sums become radiance, pixels without light take their neighbours'".to_owned()
             }
             (FilterKind::Layered, 1) if self.needs.is_glossy() => {
-                format!("{over}, in one layer: what each pixel's path shows first that is diffuse")
+                format!("{over}; in one layer: what each pixel's path shows first that is diffuse")
             }
-            (FilterKind::Layered, 1) => format!("{over}, in one layer: nothing reflects or lets light through"),
+            (FilterKind::Layered, 1) => format!("{over}; in one layer: nothing reflects or lets light through"),
             (FilterKind::Layered, layers) => {
-                format!("{over}, in {layers} layers, the deepest first, each by its own guides{rough}")
+                format!("{over}; in {layers} layers, the deepest first, each by its own guides{rough}")
             }
-            (FilterKind::Screen, 1) => format!("{over}, by the surfaces seen"),
+            (FilterKind::Screen, 1) => format!("{over}; by the surfaces seen"),
             (FilterKind::Screen, _) => {
-                format!("{over}, and over all light from behind at once, by the surfaces seen first")
+                format!("{over}; and over all light from behind at once, by the surfaces seen first")
             }
         }
     }
@@ -121,7 +128,8 @@ pub(super) fn needs(needs: &Needs) -> Vec<(&'static str, String)> {
         };
         push(true, lobe, why.to_owned());
     }
-    push(needs.rough_lobes, "rough lobes", "roughness from 0.2 on: light through them is filtered again".to_owned());
+    let rough = format!("roughness from {LEAST_ROUGHNESS} on: light through them is filtered again");
+    push(needs.rough_lobes, "rough lobes", rough);
     push(needs.textures, "textures", "materials vary over surfaces".to_owned());
     push(needs.normal_maps, "normal maps", "surfaces have relief".to_owned());
     push(needs.alpha_masks, "alpha masks", "triangles have holes: rays read opacity at every hit".to_owned());
@@ -131,8 +139,8 @@ pub(super) fn needs(needs: &Needs) -> Vec<(&'static str, String)> {
     let lights = lights(needs);
     push(!lights.is_empty(), "lights", lights.join(" and "));
     push(needs.emissive_textures, "emissive textures", "emission varies over triangles".to_owned());
-    let solid = if needs.layers > 2 { ", and through both sides of a solid" } else { "" };
-    let layers = format!("{} vertices one behind another: seen by reflection or transmission{solid}", needs.layers);
+    let behind = "what is seen first, and what is seen through it by reflection or transmission";
+    let layers = format!("up to {} vertices one behind another: {behind}", needs.layers);
     push(needs.layers > 1, "layers", layers);
     all
 }

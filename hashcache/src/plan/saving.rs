@@ -7,6 +7,7 @@ use layered_filter::{Composition, Direct, FilterStages};
 use crate::choice::{CacheKind, DirectLight, FilterKind};
 use crate::feature::{FEATURES, Saving};
 use crate::needs::Needs;
+use crate::pipeline::batches::look_bytes;
 use crate::settings::Settings;
 
 /// Bytes of a triangle for holes: the index of its mask and the coordinates of its corners.
@@ -17,12 +18,14 @@ const SECOND_UV_BYTES: u64 = 24;
 
 /// The features that a scene does without, and the bytes that buffers for them would have.
 pub(super) fn without(needs: &Needs, settings: &Settings, pixels: u32) -> Vec<Saving> {
-    let absent = FEATURES.iter().filter(|feature| !feature.is_needed(needs));
+    // What is forced is modelled like what is needed.
+    let forced = settings.needs_force;
+    let absent = FEATURES.iter().filter(|feature| !feature.is_needed(needs) && !forced.contains(feature));
     let saving = |feature, about, bytes| Saving { feature, about, bytes, ns_per_sample: None };
     let mut all: Vec<_> = absent
         .map(|feature| {
             // What only the tracing loop knows has buffers by the scene's own lists, which are empty.
-            let bytes = if feature.is_layers() { u64::from(pixels) * layer_bytes(settings) } else { 0 };
+            let bytes = if feature.is_layers() { layer_bytes(settings, pixels) } else { 0 };
             saving(feature.name, feature.about, bytes)
         })
         .collect();
@@ -35,8 +38,8 @@ pub(super) fn without(needs: &Needs, settings: &Settings, pixels: u32) -> Vec<Sa
     all
 }
 
-/// Bytes of a pixel that further layers would have.
-fn layer_bytes(settings: &Settings) -> u64 {
+/// Bytes that further layers would have.
+fn layer_bytes(settings: &Settings, pixels: u32) -> u64 {
     if settings.cache == CacheKind::None {
         return 0;
     }
@@ -47,7 +50,9 @@ fn layer_bytes(settings: &Settings) -> u64 {
         FilterKind::None => Composition::Layered,
     };
     let direct = if settings.direct == DirectLight::Traced { Direct::Record } else { Direct::Estimate };
-    let of = |layers| FilterStages::pixel_bytes(direct, layers, composition);
+    let of = |layers| {
+        u64::from(pixels) * FilterStages::pixel_bytes(direct, layers, composition) + look_bytes(pixels, layers)
+    };
     of(settings.filter_layers) - of(1)
 }
 

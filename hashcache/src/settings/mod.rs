@@ -102,7 +102,7 @@ pub struct Settings {
     /// `filter.samples`: the radius is √(this / samples behind a pixel's light), up to `filter.radius`; 0: always that.
     pub filter_samples: f32,
     /// `filter.wide_radius`: farthest tap of the pass that comes before, over the octree's light, and mixes what differs by no
-    /// more than its noise, in pixels; 0: no such pass.
+    /// more than its noise, in pixels, 1 to 256; 0: no such pass.
     pub filter_wide_radius: f32,
     /// `filter.wide_samples`: that radius is √(this / samples behind a pixel's light), up to `filter.wide_radius`; 0: always that.
     pub filter_wide_samples: f32,
@@ -110,7 +110,7 @@ pub struct Settings {
     pub filter_significance: f32,
     /// `filter.direct_radius`: the radius over direct light that is traced, in pixels.
     pub filter_direct_radius: f32,
-    /// `filter.luminance`: fall with the difference of light, in standard deviations of a pixel's mean; 0: off.
+    /// `filter.luminance`: fall with the difference of light, in standard deviations of a pixel's mean, 0.001 to 10⁶; 0: off.
     pub filter_luminance: f32,
     /// `filter.normal`: how often the cosine between normals is squared, 0 to 10.
     pub filter_normal: u32,
@@ -118,7 +118,7 @@ pub struct Settings {
     pub filter_path: f32,
     /// `filter.segment`: fall with the difference of last segments' lengths, per scene radius; 0: off.
     pub filter_segment: f32,
-    /// `filter.plane`: width of the bell over the distance from the tangent plane, in pixel footprints; 0: off.
+    /// `filter.plane`: width of the bell over the distance from the tangent plane, in pixel footprints, 0.01 to 10⁴; 0: off.
     pub filter_plane: f32,
     /// `filter.color`: fall with the difference of albedos; 0: off.
     pub filter_color: f32,

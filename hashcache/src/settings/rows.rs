@@ -45,6 +45,23 @@ macro_rules! number {
     };
 }
 
+/// A number that is 0 for "off", and else in the range that has a meaning.
+macro_rules! off_or {
+    ($key:literal, $field:ident, $range:expr) => {
+        Row {
+            key: $key,
+            get: |s| s.$field.into(),
+            set: |s, v| {
+                let range = $range;
+                let number = v.parse().ok().filter(|x: &f32| *x == 0.0 || range.contains(x));
+                let expected = || format!("0 (off) or a number from {} to {}", range.start(), range.end());
+                s.$field = number.ok_or_else(expected)?;
+                Ok(())
+            },
+        }
+    };
+}
+
 /// All settings.
 pub(super) const ROWS: &[Row] = &[
     choice!("backend", backend),
@@ -120,15 +137,15 @@ pub(super) const ROWS: &[Row] = &[
     number!("filter.passes", filter_passes, 1..=8),
     number!("filter.radius", filter_radius, 1.0..=256.0),
     number!("filter.samples", filter_samples, 0.0..=1e9),
-    number!("filter.wide_radius", filter_wide_radius, 0.0..=256.0),
+    off_or!("filter.wide_radius", filter_wide_radius, 1.0..=256.0),
     number!("filter.wide_samples", filter_wide_samples, 0.0..=1e9),
     number!("filter.significance", filter_significance, 0.001..=1e6),
     number!("filter.direct_radius", filter_direct_radius, 1.0..=256.0),
-    number!("filter.luminance", filter_luminance, 0.0..=1e6),
+    off_or!("filter.luminance", filter_luminance, 0.001..=1e6),
     number!("filter.normal", filter_normal, 0..=10),
     number!("filter.path", filter_path, 0.0..=1e9),
     number!("filter.segment", filter_segment, 0.0..=1e9),
-    number!("filter.plane", filter_plane, 0.0..=1e4),
+    off_or!("filter.plane", filter_plane, 0.01..=1e4),
     number!("filter.color", filter_color, 0.0..=1e6),
     Row {
         key: "octree.resolution",
