@@ -89,7 +89,7 @@ impl Surfaces {
 pub struct Extension {
     /// Its name.
     pub name: String,
-    /// Whether all that it says is respected.
+    /// Whether it is read, as far as the crate's page says. What is not shown of it is named in a warning.
     pub respected: bool,
 }
 

@@ -25,8 +25,8 @@
 //!   are filtered, all others are linear. Textures of one image share its texels. A material reads two sets of
 //!   coordinates; the base colour's is the first.
 //! - **Holes.** Alpha masks are the ray caster's ([`pt_integrator::scene::OpacityData`]). A mask without holes is left out.
-//!   Blended surfaces become, with a warning, thin sheets where their opacity is one number, masks at 0.5 where a texture
-//!   may change it.
+//!   Blended surfaces that are not opaque everywhere become, with a warning, thin sheets with sharp highlights where they
+//!   are dielectrics without textures or coats, masks at 0.5 elsewhere.
 //! - **Cameras** are pinholes with the file's vertical field of view; the picture's size gives the aspect ratio.
 //!   A [`CameraPath`] is a move of one, read from a file of its own.
 //!
@@ -40,7 +40,7 @@
 //! | `KHR_lights_punctual` | points, spots, directions; 1 cd = 1 W/sr, 1 lx = 1 W/m²; range |
 //! | `KHR_materials_clearcoat` | factor, roughness, normal map, textures |
 //! | `KHR_materials_emissive_strength` | all |
-//! | `KHR_materials_ior` | all; 0 stands for an infinite one, as 10⁴ |
+//! | `KHR_materials_ior` | 0 stands for an infinite one, as 10⁴; all others are clamped to 1..10⁴ |
 //! | `KHR_materials_specular` | factor, colour, textures |
 //! | `KHR_materials_transmission` | factor, texture; thin-walled without a volume |
 //! | `KHR_materials_unlit` | all |
@@ -58,9 +58,9 @@
 //! # Memory
 //! 12 bytes a vertex, 60 a triangle (12 corners, 48 shading), 4 a texel; 24 more a triangle in a scene with second texture
 //! coordinates, 28 in one with masks, and 1 a texel of a mask. While loading also the file's own bytes, its images' as far
-//! as they are not decoded yet, on each thread what a JPEG decoder holds of one image (6 bytes a texel, 12 where it is
-//! progressive), and 4–20 bytes a vertex and 12 a triangle of the largest primitive. A million triangles over half a million
-//! vertices: 66 MB; sixteen images of 2048 × 2048: 268 MB.
+//! as they are not decoded yet, on each thread what a decoder holds of one image (JPEG: 6 bytes a texel, 12 where it is
+//! progressive; PNG: a few rows, 2–8 bytes a texel where it is interlaced), and 4–20 bytes a vertex and 12 a triangle of
+//! the largest primitive. A million triangles over half a million vertices: 66 MB; sixteen images of 2048 × 2048: 268 MB.
 //!
 //! # Determinism
 //! The same file gives the same lists, bit for bit, for any number of threads; of several errors, the same one.
@@ -71,7 +71,8 @@
 //! than 8 bits a channel, points and lines, orthographic cameras, skins, morph targets, animations, other extensions.
 //!
 //! # Sources
-//! Khronos, glTF 2.0 specification (2.0.1) and the extensions named above. [`CameraPath`]: Catmull & Rom 1974, Barry & Goldman 1988. The Cornell box: Goral et al. 1984, in RGB as in Mitsuba 3.
+//! Khronos, glTF 2.0 specification (2.0.1) and the extensions named above. [`CameraPath`]: Catmull & Rom 1974, Barry &
+//! Goldman 1988. The Cornell box: Goral et al. 1984, in RGB as in Mitsuba 3.
 
 mod builder;
 mod builtin;

@@ -7,7 +7,7 @@ mod survive;
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use cpu_time::ProcessTime;
@@ -172,8 +172,7 @@ fn own() -> Subject {
 /// The smaller of the shared scenes: loading them takes tens of milliseconds.
 fn shared() -> Vec<Subject> {
     const LARGEST: u64 = 8 << 20;
-    let root = std::env::var_os("HASHCACHE_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
+    let root = common::shared_root();
     let mut folders: Vec<_> = std::fs::read_dir(root.join("scenes")).into_iter().flatten().flatten().collect();
     folders.sort_by_key(std::fs::DirEntry::file_name);
     let mut subjects = Vec::new();

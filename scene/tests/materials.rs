@@ -82,6 +82,7 @@ fn emitters_are_numbered_within_their_mesh() {
 fn what_is_not_modelled_is_named_once_with_its_place() {
     let mut file = with_material(json!({
         "occlusionTexture": {"index": 0}, "alphaMode": "BLEND",
+        "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]},
         "extensions": {"KHR_materials_sheen": {}},
     }));
     file.push("images", json!({"uri": "missing.png"}));
@@ -214,6 +215,11 @@ fn factors_that_mean_nothing_are_clamped_by_name_or_refused() {
     }
     let infinite = with_material(transmitting("KHR_materials_ior", json!({"ior": 0}))).load().unwrap();
     assert!(infinite.warnings.is_empty() && infinite.data.materials[0].interior[3] > 1e3);
+    for (ior, expected) in [(-1.5, 1.0), (-1e-30, 1.0), (1e-30, 1.0), (1e30, 1e4), (0.999, 1.0)] {
+        let loaded = with_material(transmitting("KHR_materials_ior", json!({"ior": ior}))).load().unwrap();
+        assert_eq!(warned(&loaded, "clamped"), Some("/materials/0/extensions/KHR_materials_ior/ior"), "{ior}");
+        assert_eq!(loaded.data.materials[0].interior[3].to_bits(), f32::to_bits(expected), "{ior}");
+    }
     for (material, place) in [
         (pbr("metallicFactor", json!(1e300)), "/pbrMetallicRoughness/metallicFactor"),
         (json!({"normalTexture": {"index": 0, "scale": 1e300}}), "/normalTexture/scale"),

@@ -94,7 +94,91 @@ fn a_blended_surface_of_one_opacity_is_a_sheet() {
         assert!((tint * (1.0 - through) - opacity * color).abs() < 1e-6, "{material:?}");
         assert!((material.specular[3] - opacity * specular).abs() < 1e-6 && material.flags == 0);
     }
-    // Nothing is left of one that is opaque but its surface.
-    let whole = load(|m| *m = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"metallicFactor": 0}}));
-    assert_eq!(whole.data.materials[0].lobes(), Lobes::DIFFUSE | Lobes::REFLECTION);
+}
+
+#[test]
+fn a_sheet_emits_as_much_as_it_is_there() {
+    for opacity in [0.0, 0.25, 0.5] {
+        let loaded = load(|m| {
+            *m = json!({"alphaMode": "BLEND", "emissiveFactor": [1, 0.5, 0],
+                "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, opacity], "metallicFactor": 0},
+                "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}});
+        });
+        let material = loaded.data.materials[0];
+        assert_eq!(material.emission[..3], [8.0 * opacity, 4.0 * opacity, 0.0]);
+        assert_eq!(loaded.info.emissive_triangles, u64::from(opacity > 0.0));
+        let warning = loaded.warnings.iter().find(|w| w.what.contains("thin sheets")).unwrap();
+        assert!(warning.what.contains("highlights are sharp"), "{warning}");
+    }
+}
+
+#[test]
+fn blending_of_what_is_opaque_is_nothing() {
+    let factor = |alpha: f32| json!({"baseColorFactor": [1, 1, 1, alpha], "metallicFactor": 0});
+    let blended = |pbr: Value| load(|m| *m = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": pbr}));
+    let whole = blended(factor(1.0));
+    assert_eq!((whole.data.materials[0].lobes(), &*whole.warnings), (Lobes::DIFFUSE | Lobes::REFLECTION, &[][..]));
+    assert_eq!(blended(factor(0.99)).warnings.len(), 1);
+    // The same for textures; here of one texel, a column of the usual one.
+    for (alpha, factor, warns, holes) in
+        [(255, 1.0, false, false), (254, 1.0, true, false), (255, 0.99, true, false), (127, 1.0, true, true)]
+    {
+        let mut file = Gltf::triangle();
+        let view = file.view(&png(1, 1, &[9, 9, 9, alpha]));
+        file.textured_material(json!({"bufferView": view, "mimeType": "image/png"}), json!({}), 0);
+        file.json["materials"][0]["alphaMode"] = json!("BLEND");
+        file.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, factor]);
+        let uv = file.vec2(&[[0.0; 2]; 3]);
+        file.json["meshes"][0]["primitives"][0] =
+            json!({"attributes": {"POSITION": 0, "TEXCOORD_0": uv}, "material": 0});
+        let loaded = file.load().unwrap();
+        assert_eq!(warned(&loaded, "blended"), warns.then_some("/materials/0/alphaMode"), "{alpha} {factor}");
+        assert_eq!(loaded.data.opacity.masks.len(), usize::from(holes), "{alpha} {factor}");
+    }
+}
+
+#[test]
+fn materials_of_one_image_share_its_alpha() {
+    let mut file = Gltf::triangle();
+    let view = file.view(&png(2, 1, &[9, 9, 9, 100, 9, 9, 9, 255]));
+    file.textured_material(json!({"bufferView": view, "mimeType": "image/png"}), json!({}), 0);
+    let uv = file.vec2(&[[0.0; 2]; 3]);
+    // The second cutoff is too low for holes.
+    let materials = [0.5, 0.3, 0.4].map(|cutoff| {
+        let mut material = file.json["materials"][0].clone();
+        (material["alphaMode"], material["alphaCutoff"]) = (json!("MASK"), json!(cutoff));
+        material
+    });
+    file.json["materials"] = json!(materials);
+    let primitive = |i| json!({"attributes": {"POSITION": 0, "TEXCOORD_0": uv}, "material": i});
+    file.json["meshes"][0]["primitives"] = json!([0, 1, 2].map(primitive));
+    let opacity = file.load().unwrap().data.opacity;
+    assert_eq!((opacity.masks.len(), &*opacity.alpha), (2, &[100, 255][..]));
+    assert_eq!(opacity.mask_of_triangle, [0, Opacity::NO_MASK, 1]);
+    assert!(opacity.masks.iter().all(|mask| mask.first_alpha == 0));
+}
+
+/// Looking through the image for each material would take eight thousand million texels, twice.
+#[test]
+fn an_image_of_many_materials_is_looked_through_once() {
+    const SIDE: u32 = 1024;
+    const MATERIALS: usize = 8000;
+    let mut file = Gltf::triangle();
+    let view = file.view(&png(SIDE, SIDE, &[0, 0, 0, 255].repeat((SIDE * SIDE) as usize)));
+    file.textured_material(json!({"bufferView": view, "mimeType": "image/png"}), json!({}), 0);
+    let material = &mut file.json["materials"][0];
+    (material["alphaMode"], material["emissiveFactor"]) = (json!("MASK"), json!([1, 1, 1]));
+    material["emissiveTexture"] = json!({"index": 0});
+    file.json["materials"] = json!(vec![material.clone(); MATERIALS]);
+    let uv = file.vec2(&[[0.0; 2]; 3]);
+    let primitive = |i| json!({"attributes": {"POSITION": 0, "TEXCOORD_0": uv}, "material": i});
+    file.json["meshes"][0]["primitives"] = (0..MATERIALS).map(primitive).collect();
+    let start = cpu_time::ThreadTime::now();
+    let loaded = file.load().unwrap();
+    let taken = start.elapsed();
+    assert!(taken.as_secs_f64() < 1.0, "{taken:?}");
+    assert_eq!(
+        (loaded.info.materials, loaded.info.emissive_triangles, loaded.data.opacity.masks.len()),
+        (MATERIALS, 0, 0)
+    );
 }

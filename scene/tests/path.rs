@@ -1,6 +1,8 @@
 //! Camera moves: what the curve promises, and files that break.
 #![expect(clippy::float_cmp, reason = "what is kept or hit is kept or hit to the bit")]
 
+mod common;
+
 use std::path::PathBuf;
 
 use proptest::prelude::*;
@@ -248,8 +250,7 @@ fn one_key_stands_and_two_make_a_line() {
 
 #[test]
 fn shared_paths_end_at_the_reference() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let shared = std::env::var_os("HASHCACHE_SHARED").map_or_else(|| root.join("../shared"), PathBuf::from);
+    let shared = common::shared_root();
     let Ok(folder) = std::fs::read_dir(shared.join("refs/paths")) else {
         eprintln!("skipped: no camera paths at {}; set HASHCACHE_SHARED", shared.display());
         return;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Gltf, U16, load_in, png, warned};
+use common::{F32, Gltf, U16, load_in, png, warned};
 use pt_integrator::scene::{Material, NONE, Texture, Wrap};
 use serde_json::{Value, json};
 
@@ -272,4 +272,22 @@ fn other_formats_are_refused_by_name() {
     let loaded = file.load().unwrap();
     assert_eq!(warned(&loaded, "EXT_texture_webp"), Some("/textures/0/extensions/EXT_texture_webp"));
     assert_eq!(loaded.data.texels.len(), 4);
+}
+
+#[test]
+fn tangents_are_named_where_a_normal_map_would_read_them() {
+    for map in ["normalTexture", "baseColorTexture"] {
+        let mut file = textured(json!({"mimeType": "image/png"}));
+        let view = file.view(&png(2, 2, &TEXELS));
+        file.json["images"][0]["bufferView"] = json!(view);
+        let tangents = file.accessor(bytemuck::cast_slice(&[[1.0_f32, 0.0, 0.0, 1.0]; 3]), F32, "VEC4", 3);
+        file.json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json!(tangents);
+        if map == "normalTexture" {
+            file.json["materials"][0][map] = json!({"index": 0, "texCoord": 1});
+        }
+        let loaded = file.load().unwrap();
+        let place = (map == "normalTexture").then_some("/meshes/0/primitives/0/attributes/TANGENT");
+        assert_eq!(warned(&loaded, "TANGENT"), place, "{:?}", loaded.warnings);
+        assert_eq!(warned(&loaded, "frame of their texture coordinates"), place);
+    }
 }

@@ -3,13 +3,23 @@
 use glam::{DMat4, DVec3};
 use pt_integrator::scene::Material;
 
+use super::Builtin;
 use super::shapes::{cube, rectangle};
 use crate::builder::Builder;
 use crate::view::View;
 
+pub(super) const SCENE: Builtin = Builtin {
+    name: "cornell",
+    description: "the Cornell box in RGB: one area light, two blocks, coloured walls; 512x512",
+    parameter: None,
+    build: |builder, _| build(builder),
+    view,
+    size: [512, 512],
+};
+
 /// The Cornell box as Mitsuba 3 has it built in (`mitsuba.cornell_box()`): walls at ±1, radiance and reflectance in
 /// linear RGB. Like there, the large block reaches 0.01 below the floor and the light hangs 0.01 below the ceiling.
-pub(super) fn build(builder: &mut Builder) {
+fn build(builder: &mut Builder) {
     const WHITE: [f32; 3] = [0.885_809, 0.698_859, 0.666_422];
     const GREEN: [f32; 3] = [0.105_421, 0.377_98, 0.076_425];
     const RED: [f32; 3] = [0.570_068, 0.043_013_5, 0.044_370_6];
@@ -36,7 +46,7 @@ pub(super) fn build(builder: &mut Builder) {
     builder.finish_world_mesh();
 }
 
-pub(super) fn view() -> Result<View, &'static str> {
+fn view() -> Result<View, &'static str> {
     let position = DVec3::new(0.0, 0.0, 3.9);
     View::look_at("camera".into(), position, DVec3::ZERO, DVec3::Y, 39.3077_f64.to_radians())
 }

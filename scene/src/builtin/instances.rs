@@ -7,16 +7,26 @@ use hashcache_core::geometry::Instance;
 use hashcache_core::hash::{pcg, to_unit_f32};
 use pt_integrator::scene::{Environment, Material};
 
+use super::Builtin;
 use super::shapes::{cuboid, lathe, parallelogram, surface};
 use crate::builder::Builder;
 use crate::view::View;
+
+pub(super) const SCENE: Builtin = Builtin {
+    name: "instances",
+    description: "a million triangles: three shrubs of five thousand, placed 256 times under a lamp and a sky; 640x360",
+    parameter: None,
+    build: |builder, _| build(builder),
+    view,
+    size: [640, 360],
+};
 
 /// Shrubs along a side of the field, and metres between them.
 const SIDE: u32 = 16;
 const SPACING: f64 = 2.5;
 
 /// A field of shrubs, of which only three are stored, on a floor, under a lamp and a sky of even radiance.
-pub(super) fn build(builder: &mut Builder) {
+fn build(builder: &mut Builder) {
     const FLOOR: u32 = 0;
     const LAMP: u32 = 1;
     const WOOD: u32 = 2;
@@ -66,7 +76,7 @@ fn shrub(builder: &mut Builder, kind: f64, leaves: u32, wood: u32) {
     });
 }
 
-pub(super) fn view() -> Result<View, &'static str> {
+fn view() -> Result<View, &'static str> {
     let (position, target) = (DVec3::new(6.0, 7.0, 26.0), DVec3::new(-1.0, 0.0, 4.0));
     View::look_at("camera".into(), position, target, DVec3::Y, 45_f64.to_radians())
 }

@@ -47,56 +47,9 @@ pub struct Parameter {
     expected: &'static str,
 }
 
-const BUILTINS: [Builtin; 6] = [
-    Builtin {
-        name: "cornell",
-        description: "the Cornell box in RGB: one area light, two blocks, coloured walls; 512x512",
-        parameter: None,
-        build: |builder, _| cornell::build(builder),
-        view: cornell::view,
-        size: [512, 512],
-    },
-    Builtin {
-        name: "furnace",
-        description: "inside a closed grey box that glows: with N bounces every pixel is exactly 2 - 1/2^N; 256x256",
-        parameter: None,
-        build: |builder, _| furnace::build(builder),
-        view: furnace::view,
-        size: [256, 256],
-    },
-    Builtin {
-        name: "interior",
-        description: "a furnished room whose lamps are hidden and shine at the ceiling, with a polished floor, a mirror and glass: nearly all light is indirect; 640x360",
-        parameter: None,
-        build: |builder, _| interior::build(builder),
-        view: interior::view,
-        size: [640, 360],
-    },
-    Builtin {
-        name: "thin-wall",
-        description: "two rooms and a wall between them, 0.02 m or as thin as builtin:thin-wall:METRES says; the right one is black; 512x256",
-        parameter: Some(thin_wall::THICKNESS),
-        build: thin_wall::build,
-        view: thin_wall::view,
-        size: [512, 256],
-    },
-    Builtin {
-        name: "instances",
-        description: "a million triangles: three shrubs of five thousand, placed 256 times under a lamp and a sky; 640x360",
-        parameter: None,
-        build: |builder, _| instances::build(builder),
-        view: instances::view,
-        size: [640, 360],
-    },
-    Builtin {
-        name: "caustic-glass",
-        description: "a clear ball and an amber ring of glass, and the light that they gather on a floor; 512x384",
-        parameter: None,
-        build: |builder, _| caustic_glass::build(builder),
-        view: caustic_glass::view,
-        size: [512, 384],
-    },
-];
+/// In the order in which they are listed.
+const BUILTINS: [Builtin; 6] =
+    [cornell::SCENE, furnace::SCENE, interior::SCENE, thin_wall::SCENE, instances::SCENE, caustic_glass::SCENE];
 
 /// The built-in scenes.
 ///

@@ -3,13 +3,22 @@
 use glam::DVec3;
 use pt_integrator::scene::Material;
 
-use super::Parameter;
 use super::shapes::{cuboid, parallelogram};
+use super::{Builtin, Parameter};
 use crate::builder::Builder;
 use crate::view::View;
 
+pub(super) const SCENE: Builtin = Builtin {
+    name: "thin-wall",
+    description: "two rooms and a wall between them, 0.02 m or as thin as builtin:thin-wall:METRES says; the right one is black; 512x256",
+    parameter: Some(THICKNESS),
+    build,
+    view,
+    size: [512, 256],
+};
+
 /// The wall's thickness.
-pub(super) const THICKNESS: Parameter = Parameter {
+const THICKNESS: Parameter = Parameter {
     name: "thickness of builtin:thin-wall",
     default: 0.02,
     range: [1e-6, 1.0],
@@ -21,7 +30,7 @@ pub(super) const THICKNESS: Parameter = Parameter {
 ///
 /// No straight line leads from one room to the other: it would leave the opening's plane and come back. So the right room
 /// is black, and what a picture shows where the camera looks through the opening at x > thickness/2 has leaked.
-pub(super) fn build(builder: &mut Builder, thickness: f64) {
+fn build(builder: &mut Builder, thickness: f64) {
     builder.data.materials = vec![Material::lambert([0.7; 3]), Material::emissive([0.7; 3], [10.0; 3])];
     let (grey, light) = (0, 1);
     let low = DVec3::new(-2.0, 0.0, -2.0);
@@ -38,7 +47,7 @@ pub(super) fn build(builder: &mut Builder, thickness: f64) {
 }
 
 /// From the right, so that the wall's dark side shows.
-pub(super) fn view() -> Result<View, &'static str> {
+fn view() -> Result<View, &'static str> {
     let position = DVec3::new(0.5, 1.0, 4.0);
     View::look_at("camera".into(), position, position - DVec3::Z, DVec3::Y, 35_f64.to_radians())
 }

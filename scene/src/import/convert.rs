@@ -33,6 +33,10 @@ pub(super) struct Converted {
 /// Opacity at which a blended surface is taken to end.
 const BLEND_CUTOFF: f32 = 0.5;
 
+/// What is said of blended surfaces that [`sheet`] replaces.
+const SHEETS: &str = "blended surfaces of one opacity are shown as thin sheets that let the rest of the light through; \
+                      their highlights are sharp";
+
 /// Smallest attenuation colour: black would absorb infinitely. One part in a million is left after the distance.
 const DARKEST: f32 = 1e-6;
 
@@ -73,20 +77,12 @@ impl<'c> Converter<'c> {
             self.scattering(source, &mut material)?;
             self.emission(source, &mut material)?;
         }
-        let blended = matches!(source.alpha_mode, Checked::Valid(AlphaMode::Blend));
-        let Some(cutout) = cutout.filter(|_| blended) else {
-            return Ok(Converted { material, sets: self.sets, cutout });
-        };
-        let sheet = sheet(&material, cutout.factor);
-        let what = match sheet {
-            Some(_) => {
-                "blended surfaces of one opacity are shown as thin sheets that let the rest of the light through"
-            }
-            None => "blended surfaces are shown as masks: there from an opacity of 0.5 on, not there below",
-        };
-        self.warnings.add(what, || format!("{}/alphaMode", self.place));
-        let cutout = if sheet.is_none() { Some(cutout) } else { None };
-        Ok(Converted { material: sheet.unwrap_or(material), sets: self.sets, cutout })
+        let blended = cutout.as_ref().filter(|cutout| cutout.blended.is_some());
+        if let Some(sheet) = blended.and_then(|cutout| sheet(&material, cutout.factor)) {
+            self.warnings.add(SHEETS, || format!("{}/alphaMode", self.place));
+            return Ok(Converted { material: sheet, sets: self.sets, cutout: None });
+        }
+        Ok(Converted { material, sets: self.sets, cutout })
     }
 
     fn scattering(&mut self, source: &json::Material, material: &mut Material) -> Result<(), SceneError> {
@@ -133,11 +129,8 @@ impl<'c> Converter<'c> {
         transmission: f32,
         material: &mut Material,
     ) -> Result<(), SceneError> {
-        let Some(extensions) = &source.extensions else {
-            material.specular[3] = specular;
-            return Ok(());
-        };
         material.specular[3] = specular;
+        let Some(extensions) = &source.extensions else { return Ok(()) };
         if let Some(from) = extensions.specular.as_ref().filter(|_| specular > 0.0) {
             const PLACE: &str = "/extensions/KHR_materials_specular";
             for (to, color) in material.specular.iter_mut().zip(from.specular_color_factor.0) {
@@ -193,7 +186,8 @@ impl<'c> Converter<'c> {
 
     fn ior(&mut self, ior: f32) -> Result<f32, SceneError> {
         const REST: &str = "/extensions/KHR_materials_ior/ior";
-        let ior = self.positive(ior, REST)?;
+        self.finite(ior, REST)?;
+        // Exactly 0 has a meaning of its own; what lies below has none.
         if ior == 0.0 {
             return Ok(INFINITE_IOR);
         }
@@ -247,15 +241,15 @@ impl<'c> Converter<'c> {
 
     fn cutout(&mut self, source: &json::Material, texture: u32) -> Result<Option<Cutout>, SceneError> {
         let factor = source.pbr_metallic_roughness.base_color_factor.0[3];
-        let cutoff = match source.alpha_mode {
+        let (cutoff, blended) = match source.alpha_mode {
             Checked::Valid(AlphaMode::Mask) => {
-                self.positive(source.alpha_cutoff.unwrap_or_default().0, "/alphaCutoff")?
+                (self.positive(source.alpha_cutoff.unwrap_or_default().0, "/alphaCutoff")?, None)
             }
-            Checked::Valid(AlphaMode::Blend) => BLEND_CUTOFF,
+            Checked::Valid(AlphaMode::Blend) => (BLEND_CUTOFF, Some(format!("{}/alphaMode", self.place))),
             _ => return Ok(None),
         };
         let factor = self.unit(factor, "/pbrMetallicRoughness/baseColorFactor")?;
-        Ok(Some(Cutout { material: NONE, texture, factor, cutoff }))
+        Ok(Some(Cutout { material: NONE, texture, factor, cutoff, blended }))
     }
 
     /// A finite factor, clamped to 0..1: a surface cannot give more than it receives.
@@ -313,9 +307,10 @@ impl<'c> Converter<'c> {
     }
 }
 
-/// A Lambertian or dielectric surface of this opacity as a thin sheet: it reflects opacity × base colour and its share of
-/// the highlight, and lets the rest through in straight lines. Exact for grey; colours keep their mean. `None` for other
-/// surfaces, and for those whose opacity a texture may change.
+/// A Lambertian or dielectric surface of this opacity as a thin sheet: it emits opacity × radiance, reflects opacity ×
+/// base colour and its share of the highlight, and lets the rest through in straight lines. Exact for grey; colours keep
+/// their mean. The highlight is sharp whatever the roughness, which would scatter what passes as well. `None` for other
+/// surfaces, for those whose opacity a texture may change, and for opaque ones.
 fn sheet(material: &Material, opacity: f32) -> Option<Material> {
     let [metallic, _, transmission, _] = material.surface;
     let plain = metallic == 0.0 && transmission == 0.0 && material.coat[0] == 0.0;
@@ -331,5 +326,6 @@ fn sheet(material: &Material, opacity: f32) -> Option<Material> {
     sheet.base_color = [r, g, b, 1.0];
     sheet.surface = [0.0, 0.0, share.min(1.0), 1.0];
     sheet.specular[3] *= opacity;
+    sheet.emission[..3].iter_mut().for_each(|c| *c *= opacity);
     Some(sheet)
 }

@@ -12,7 +12,8 @@ use super::resource;
 use crate::LoadOptions;
 use crate::error::{At, SceneError, one_line};
 
-/// Extensions whose meaning is respected in full. Any other in `extensionsRequired` is refused, as glTF asks for.
+/// Extensions that are read, as far as the crate's page says; what a file asks of them beyond that is named in a warning.
+/// Any other in `extensionsRequired` is refused, as glTF asks for.
 pub(crate) const SUPPORTED: [&str; 10] = [
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
@@ -116,6 +117,7 @@ impl Document {
                     return Err(too_short(bytes.len()));
                 }
                 bytes.truncate(length as usize);
+                bytes.shrink_to_fit();
                 self.buffers.push(Buffer::Own(bytes));
             } else {
                 // Only the first buffer may stand for the GLB's binary chunk.
@@ -262,7 +264,7 @@ pub(crate) fn escape(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1")
 }
 
-/// The names of extensions that the file uses and that are not respected, each with its place.
+/// The names of extensions that the file uses and that are not read, each with its place.
 pub(crate) fn foreign_extensions(root: &json::Root) -> Vec<(usize, String)> {
     let mut seen = HashSet::new();
     let names = root.extensions_used.iter().enumerate();

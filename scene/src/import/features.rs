@@ -6,7 +6,7 @@ use super::clearcoat::Clearcoat;
 use super::document::{escape, foreign_extensions};
 use crate::warning::Warnings;
 
-/// Warns of an extension that is not respected.
+/// Warns of an extension that is not read.
 pub(crate) fn foreign(warnings: &mut Warnings, name: &str, pointer: impl FnOnce() -> String) {
     warnings.add(&message(name), pointer);
 }

@@ -94,10 +94,9 @@ impl<'a> Materials<'a> {
     ) -> Result<Look, SceneError> {
         let decoded = self.textures.images.decode(self.document, options, progress, warnings)?;
         let images = self.textures.images.len();
-        for material in &mut self.list {
-            leave_out_black(material, &self.textures, &decoded);
-        }
-        let (opacity, mask_of_material) = opacity::masks(&self.cutouts, &mut self.list, &self.textures, &decoded);
+        leave_out_black(&mut self.list, &self.textures, &decoded);
+        let (opacity, mask_of_material) =
+            opacity::masks(&self.cutouts, &mut self.list, &self.textures, &decoded, warnings);
         let textures = self.textures.finish(&decoded);
         let texels = decoded.texels;
         Ok(Look { materials: self.list, textures, texels, opacity, mask_of_material, images })
@@ -108,12 +107,20 @@ fn has_normal_map(material: &Material) -> bool {
     [Material::NORMAL, Material::CLEARCOAT_NORMAL].iter().any(|&place| material.textures[place] != NONE)
 }
 
-/// A surface whose emission texture is black everywhere emits nothing.
-fn leave_out_black(material: &mut Material, textures: &Textures, images: &Decoded) {
+/// Surfaces whose emission texture is black everywhere emit nothing. An image is looked through once.
+fn leave_out_black(materials: &mut [Material], textures: &Textures, images: &Decoded) {
     const COLOR: u32 = 0x00ff_ffff;
-    let texture = material.textures[Material::EMISSION];
-    if texture != NONE && images.image(textures.slot(texture)).iter().all(|texel| texel & COLOR == 0) {
-        material.textures[Material::EMISSION] = NONE;
-        material.emission[..3].fill(0.0);
+    let mut black: HashMap<usize, bool> = HashMap::new();
+    for material in materials {
+        let texture = material.textures[Material::EMISSION];
+        if texture == NONE {
+            continue;
+        }
+        let slot = textures.slot(texture);
+        let is_black = || images.image(slot).iter().all(|texel| texel & COLOR == 0);
+        if *black.entry(slot).or_insert_with(is_black) {
+            material.textures[Material::EMISSION] = NONE;
+            material.emission[..3].fill(0.0);
+        }
     }
 }

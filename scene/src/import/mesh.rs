@@ -158,7 +158,8 @@ fn prepare_primitive<'a>(
         }
     }
     if surface.normal_map && accessor(Semantic::Tangents).is_some() {
-        let what = "tangents in the file are ignored: normal maps stand in the frame of their texture coordinates";
+        let what = "the vertices' TANGENT is ignored: normal maps stand in the frame of their texture coordinates, \
+                    triangle by triangle";
         warnings.add(what, || format!("{place}/attributes/TANGENT"));
     }
     let indices = source.indices.map(|a| a.value());

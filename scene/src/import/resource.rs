@@ -102,12 +102,19 @@ mod tests {
     fn relative_uris_stay_in_the_folder() {
         assert_eq!(file("a.bin").unwrap(), Path::new("dir/a.bin"));
         assert_eq!(file("./sub/my%20tex%C3%A9.png").unwrap(), Path::new("dir/./sub/my texé.png"));
-        for uri in ["/etc/passwd", "../a.bin", "sub/../../a", "%2e%2e/a", "%2Fetc/passwd", "a%00b", "%ff", ""] {
-            assert!(uri.is_empty() || file(uri).is_err(), "{uri}");
+        for uri in ["/etc/passwd", "../a.bin", "sub/../../a", "%2e%2e/a", "%2Fetc/passwd", "a%00b", "%ff"] {
+            assert!(file(uri).is_err(), "{uri}");
         }
         for uri in ["http://example.org/a.bin", "file:///etc/passwd", "C:a"] {
             assert!(file(uri).unwrap_err().contains("only relative paths"), "{uri}");
         }
+    }
+
+    #[test]
+    fn an_empty_uri_names_the_folder_which_is_no_file() {
+        assert_eq!(file("").unwrap(), Path::new("dir/"));
+        let error = read_uri(At { file: "a.gltf" }, Path::new("."), "", "/buffers/0/uri", 9).unwrap_err().to_string();
+        assert!(error.contains("/buffers/0/uri") && error.contains("not a regular file"), "{error}");
     }
 
     #[test]

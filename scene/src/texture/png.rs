@@ -12,9 +12,6 @@ const DECODER_SCRATCH: usize = 64 << 20;
 /// Deflate packs at most so many bytes into one.
 const DEFLATE_RATIO: u64 = 1032;
 
-/// Widest image in bytes a row that is decoded: 2²⁸ texels of 8 bytes.
-const LONGEST_ROW: usize = 1 << 31;
-
 /// Size and depth.
 pub(super) fn header(bytes: &[u8]) -> Result<Header, String> {
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: DECODER_SCRATCH });
@@ -40,9 +37,8 @@ pub(super) fn decode(bytes: &[u8], out: &mut [u32]) -> Result<(), String> {
         return Err("its size has changed".into());
     }
     let layout = reader.output_color_type();
-    let row = reader.output_line_size(width).filter(|&n| n <= LONGEST_ROW).ok_or("its rows are too long")?;
     if reader.info().interlaced {
-        return interlaced(&mut reader, layout, row * height as usize, out);
+        return interlaced(&mut reader, layout, out);
     }
     for texels in out.chunks_exact_mut(width as usize) {
         let row = reader.next_row().map_err(broken)?.ok_or("it ends early")?;
@@ -55,9 +51,9 @@ pub(super) fn decode(bytes: &[u8], out: &mut [u32]) -> Result<(), String> {
 fn interlaced(
     reader: &mut Reader<Cursor<&[u8]>>,
     layout: (ColorType, BitDepth),
-    bytes: usize,
     out: &mut [u32],
 ) -> Result<(), String> {
+    let bytes = reader.output_buffer_size().ok_or("it is too large for this machine")?;
     let mut whole = vec![0; bytes];
     reader.next_frame(&mut whole).map_err(|e| e.to_string())?;
     convert(layout, &whole, out)

@@ -2,11 +2,17 @@
 #![allow(dead_code, reason = "every test file uses another part")]
 #![allow(clippy::needless_pass_by_value, reason = "`json!` gives values")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use scene::glam::Vec3;
 use scene::{LoadOptions, Loaded, SceneError};
 use serde_json::{Value, json};
+
+/// The folder of what others made: `HASHCACHE_SHARED`, else `../shared` beside the workspace. It may be absent.
+pub fn shared_root() -> PathBuf {
+    std::env::var_os("HASHCACHE_SHARED")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from)
+}
 
 /// A glTF file in the making: its JSON, and one buffer.
 #[derive(Clone)]

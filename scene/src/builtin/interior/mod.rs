@@ -6,10 +6,20 @@ use glam::DVec3;
 use hashcache_core::hash::{pcg2d, to_unit_f32};
 use pt_integrator::scene::{Material, Texture, Wrap};
 
+use super::Builtin;
 use super::materials::{glass, mirror, pane, polished};
 use super::shapes::{cuboid, lathe, parallelogram};
 use crate::builder::Builder;
 use crate::view::View;
+
+pub(super) const SCENE: Builtin = Builtin {
+    name: "interior",
+    description: "a furnished room whose lamps are hidden and shine at the ceiling, with a polished floor, a mirror and glass: nearly all light is indirect; 640x360",
+    parameter: None,
+    build: |builder, _| build(builder),
+    view,
+    size: [640, 360],
+};
 
 /// The room from (0, 0, 0) to here, in metres.
 const ROOM: DVec3 = DVec3::new(6.0, 2.8, 4.5);
@@ -39,7 +49,7 @@ const FLOOR_ROUGHNESS: f32 = 0.15;
 /// A living room. One lamp lies in a trough below the ceiling, along the back wall; one in the bowl of a floor lamp. Both
 /// shine upwards and nothing that a visitor looks at lies in their light but the ceiling and the tops of the walls. The
 /// tiles are polished, a mirror hangs beside the picture, half of the shelf has a pane, and the ball is of glass.
-pub(super) fn build(builder: &mut Builder) {
+fn build(builder: &mut Builder) {
     builder.data.materials = vec![
         Material::lambert([0.78, 0.76, 0.72]),
         polished(Material::lambert([1.0; 3]).textured(Material::BASE_COLOR, 0), FLOOR_ROUGHNESS),
@@ -64,7 +74,7 @@ pub(super) fn build(builder: &mut Builder) {
     builder.finish_world_mesh();
 }
 
-pub(super) fn view() -> Result<View, &'static str> {
+fn view() -> Result<View, &'static str> {
     let (position, target) = (DVec3::new(5.5, 1.55, 4.2), DVec3::new(1.9, 0.95, 1.0));
     View::look_at("camera".into(), position, target, DVec3::Y, 55_f64.to_radians())
 }
