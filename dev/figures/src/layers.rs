@@ -1,6 +1,7 @@
 //! Layered filtering beside filtering by what is seen first, where mirrors and glass are seen.
 
 use hashcache::{Image, Preview};
+use image_metrics::{ImageView, WORST_SHARE, rel_mse, rel_mse_trimmed};
 
 use crate::arguments::Arguments;
 use crate::still::Still;
@@ -17,19 +18,22 @@ const FRAMES: [u32; 2] = [1, 8];
 
 /// A filter at some strength.
 struct Found {
-    /// relMSE over the pixels that count, the same without the worst 0.1 % of them, and over the whole picture.
+    /// relMSE over the pixels that count, the same without the worst of them, and over the whole picture.
     error: f64,
     trimmed: f64,
     whole: f64,
     strength: String,
 }
 
-/// For each scene the error of both filters, each at its best strength, over the pixels that show a mirror or glass first.
+/// For each scene the error of both filters, each at its best strength, over the pixels that show a mirror or glass first and
+/// something diffuse in it.
 pub fn run(arguments: &Arguments) -> Result<(), String> {
     println!(
-        "{}; relMSE over pixels whose first vertex is mirror or glass, at the best of {} strengths; ratio: layered over screen\n",
+        "{}; relMSE over the pixels that show a mirror or glass first and something diffuse in it, each filter at that of {} \
+         strengths with the least; trimmed: without the worst {} % of those pixels; ratios: layered over screen\n",
         arguments.changed(),
-        RADII.len() * SAMPLES.len()
+        RADII.len() * SAMPLES.len(),
+        100.0 * WORST_SHARE,
     );
     let strengths: Vec<_> = RADII.iter().flat_map(|radius| SAMPLES.map(|samples| (*radius, samples))).collect();
     table::head(&[
@@ -42,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
         "trimmed",
         "of the picture",
         "ratio",
-        "trimmed",
+        "trimmed ratio",
     ]);
     for name in arguments.scenes(&["builtin:interior", "cornell-specular"]) {
         let still = Still::read(&name)?;
@@ -100,9 +104,9 @@ fn best(
             }
         }
         let image = session.filtered(&settings).map_err(say)?.ok_or("the settings keep no sums")?;
-        let [error, trimmed] = rel_mse(&image, &still.reference, &|i| shown[i]);
+        let [error, trimmed] = errors(&image, &still.reference, &|i| shown[i])?;
         if best.as_ref().is_none_or(|best| error < best.error) {
-            let [whole, _] = rel_mse(&image, &still.reference, &|_| true);
+            let [whole, _] = errors(&image, &still.reference, &|_| true)?;
             best = Some(Found { error, trimmed, whole, strength: format!("{radius} / {samples}") });
         }
     }
@@ -124,13 +128,34 @@ fn mask(preview: &Preview) -> Result<Vec<bool>, String> {
     Ok((0..first.1.pixels.len()).map(shows).collect())
 }
 
-/// relMSE over the pixels that count, and the same without the worst 0.1 % of them.
-fn rel_mse(image: &Image, reference: &Image, counts: &dyn Fn(usize) -> bool) -> [f64; 2] {
-    let pairs = image.pixels.iter().zip(&reference.pixels).enumerate().filter(|(i, _)| counts(*i));
-    let of_channel = |(&i, &r): (&f32, &f32)| (f64::from(i) - f64::from(r)).powi(2) / (f64::from(r).powi(2) + 0.01);
-    let mut errors: Vec<f64> =
-        pairs.map(|(_, (found, wanted))| found.iter().zip(wanted).map(of_channel).sum::<f64>() / 3.0).collect();
-    errors.sort_by(f64::total_cmp);
-    let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
-    [mean(&errors), mean(&errors[..errors.len() - errors.len() / 1000])]
+/// relMSE over the pixels that count, and the same without the worst of them.
+fn errors(image: &Image, reference: &Image, counts: &dyn Fn(usize) -> bool) -> Result<[f64; 2], String> {
+    // Neither error knows neighbours, so pixels may stand in a row.
+    let row = |image: &Image| -> Vec<[f32; 3]> {
+        image.pixels.iter().enumerate().filter(|(i, _)| counts(*i)).map(|(_, pixel)| *pixel).collect()
+    };
+    let say = |error: image_metrics::Error| error.to_string();
+    let (image, reference) = (row(image), row(reference));
+    let [image, reference] = [&image, &reference].map(|row| ImageView::new(row.len(), 1, row).map_err(say));
+    let (image, reference) = (image?, reference?);
+    Ok([rel_mse(image, reference).map_err(say)?, rel_mse_trimmed(image, reference).map_err(say)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_pixels_that_count_have_errors() {
+        let black = Image { width: 2000, height: 1, pixels: vec![[0.0; 3]; 2000] };
+        let mut image = black.clone();
+        // Of the thousand that count one is the worst 0.1 %; the others do not count.
+        image.pixels[7] = [10.0; 3];
+        image.pixels[1500] = [10.0; 3];
+        let [all, trimmed] = errors(&image, &black, &|i| i < 1000).unwrap();
+        assert!((all - 10.0).abs() < 1e-9 && trimmed == 0.0, "{all} {trimmed}");
+        let [all, _] = errors(&image, &black, &|_| true).unwrap();
+        assert!((all - 10.0).abs() < 1e-9);
+        assert!(errors(&image, &black, &|_| false).is_err(), "no pixel has no error");
+    }
 }

@@ -1,5 +1,6 @@
 //! A picture to be compared with a reference.
 
+use std::hash::{DefaultHasher, Hasher as _};
 use std::path::PathBuf;
 
 use hashcache::{Image, Preview, Settings, image_file};
@@ -47,10 +48,10 @@ impl Still {
         })
     }
 
-    /// A built-in scene; its reference is kept in the temporary folder, since it takes minutes.
+    /// A built-in scene; its reference is kept in the temporary folder, since it takes minutes, for this very program: another
+    /// one may show another picture.
     fn builtin(name: &str) -> Result<Self, String> {
-        let file = format!("figures-{}-{}x{}-{SPP}.exr", name.replace(':', "-"), SIZE.0, SIZE.1);
-        let file = std::env::temp_dir().join(file);
+        let file = std::env::temp_dir().join(kept_name(name, program()?));
         let say = |error: hashcache::Error| error.to_string();
         let reference = if file.is_file() {
             image_file::read(&file).map_err(|error| error.to_string())?
@@ -74,5 +75,33 @@ impl Still {
             ..settings.clone()
         };
         Preview::open(&self.scene, &settings).map_err(|error| error.to_string())
+    }
+}
+
+/// The file that keeps a built-in scene's reference by a program.
+fn kept_name(scene: &str, program: u64) -> String {
+    format!("figures-{}-{}x{}-{SPP}-{program:016x}.exr", scene.replace(':', "-"), SIZE.0, SIZE.1)
+}
+
+/// A hash of this program's file: scenes, path tracing and settings are all in it.
+fn program() -> Result<u64, String> {
+    let file = std::env::current_exe().map_err(|error| format!("this program's file: {error}"))?;
+    let bytes = std::fs::read(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let mut hasher = DefaultHasher::new();
+    hasher.write(&bytes);
+    Ok(hasher.finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn references_are_kept_by_program_and_scene() {
+        let program = program().unwrap();
+        assert_eq!(program, self::program().unwrap());
+        let of = |scene, program| kept_name(scene, program);
+        assert_ne!(of("builtin:cornell", program), of("builtin:cornell", program ^ 1));
+        assert_ne!(of("builtin:cornell", program), of("builtin:furnace", program));
     }
 }
