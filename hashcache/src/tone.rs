@@ -27,7 +27,7 @@ pub struct ToneMapping {
 }
 
 impl Default for ToneMapping {
-    /// Exposure 1, clipped.
+    /// No stops, clipped.
     fn default() -> Self {
         Self { exposure: 0.0, curve: ToneCurve::Srgb }
     }
@@ -52,7 +52,7 @@ impl ToneMapping {
 
 /// A film's response: a toe that darkens shadows a little, a shoulder that brings bright light below 1.
 ///
-/// From a radiance of 7.3 on it is above 1, which the encoding clips.
+/// From a radiance of 7.24 on it is above 1, which the encoding clips.
 ///
 /// # Source
 /// Narkowicz 2016, a fit to the ACES reference and output transforms, without their factor of 0.6 on exposure.

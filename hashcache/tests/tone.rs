@@ -46,6 +46,8 @@ fn the_filmic_curve_is_the_published_one() {
     for (radiance, response) in [(0.18, 0.266_899), (1.0, 0.803_797), (4.0, 0.973_417)] {
         assert!((srgb_decode(tone.encode(radiance)) - response).abs() < 1e-5, "{radiance}");
     }
+    // It reaches 1 at (7 + √56)/2 = 7.24.
+    assert!(tone.encode(7.23) < 1.0 && tone.encode(7.25).to_bits() == 1.0_f32.to_bits());
 }
 
 #[test]

@@ -229,14 +229,14 @@ fn sharded_maps(c: &mut Criterion, case: &Case) {
     }
 }
 
-/// Lookups and deposits of keys that were claimed, by load, in a table of a mebi-cell.
+/// Lookups and deposits of keys that were claimed, by load, in the smallest of the tables.
 fn load_curve(c: &mut Criterion) {
-    const CELLS: u32 = 1 << 20;
+    let cells = sizes().into_iter().min().expect("a size") << 20;
     for percent in [10, 30, 50, 70, 80, 90, 95] {
-        let mut case = Case::new(CELLS);
+        let mut case = Case::new(cells);
         let table = case.table();
         table.clear();
-        let count = (u64::from(CELLS) * percent / 100) as u32;
+        let count = (u64::from(cells) * percent / 100) as u32;
         for first in (0..count).step_by(4096) {
             let part: Vec<_> = (first..(first + 4096).min(count)).map(vertex).collect();
             claim_vertices(&table, &case.params, &part);
@@ -255,9 +255,14 @@ fn load_curve(c: &mut Criterion) {
     }
 }
 
-fn grid(c: &mut Criterion) {
+/// Sizes of tables in mebi-cells.
+fn sizes() -> Vec<u32> {
     let sizes = env::var("HASHGRID_BENCH_CELLS").unwrap_or_else(|_| "1,4,16".into());
-    for size in sizes.split(',').map(|size| size.trim().parse::<u32>().expect("a list of numbers")) {
+    sizes.split(',').map(|size| size.trim().parse().expect("a list of numbers")).collect()
+}
+
+fn grid(c: &mut Criterion) {
+    for size in sizes() {
         let mut case = Case::new(size << 20);
         for threads in [1, 2] {
             lookups(c, &case, threads);

@@ -50,14 +50,14 @@ use hashcache_core::exact::{MAX_DEPOSITS, Quantum};
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
-use crate::jitter::{SALT_DEPOSIT, turn_back};
+use crate::jitter::turn_back;
 use crate::key::{Key, coarser, key};
-use crate::layout::Layout;
+use crate::layout::{Keep, Layout};
 use crate::names::Naming;
 use crate::params::Params;
 use crate::sums::Sums;
 use crate::table::{Claim, Table};
-use crate::vertex::{answer_vertices, deposit_key, find_named};
+use crate::vertex::{answer_vertices, deposit_under, find_named, key_of_deposit};
 
 /// What a search found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -212,15 +212,11 @@ fn levels(key: &Key, count: u32) -> impl Iterator<Item = Key> + use<> {
     iter::successors(Some(*key), coarser).take(count as usize)
 }
 
-fn deposit_key_of(params: &Params, vertex: &VertexRecord) -> Option<Key> {
-    if vertex.is_recordable() { key(params, vertex, SALT_DEPOSIT) } else { None }
-}
-
 /// Claims the cell of every vertex and those above it, on `count` levels in all. True when some key was refused. Any
 /// number of threads may claim parts of the same vertices.
 pub fn claim_levels<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord], count: u32) -> bool {
     let mut refused = false;
-    for key in vertices.iter().filter_map(|vertex| deposit_key_of(params, vertex)) {
+    for key in vertices.iter().filter_map(|vertex| key_of_deposit(params, vertex)) {
         for key in levels(&key, count) {
             refused |= table.claim(&key) == Claim::Refused;
         }
@@ -228,7 +224,7 @@ pub fn claim_levels<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: 
     refused
 }
 
-/// Names what was claimed, in layouts that keep keys; see [`crate::names`].
+/// Names what was claimed; does nothing in layouts without keys. See [`crate::names`].
 pub fn name_levels<L: Layout>(
     table: &Table<'_, L>,
     params: &Params,
@@ -236,7 +232,10 @@ pub fn name_levels<L: Layout>(
     count: u32,
     step: Naming,
 ) {
-    for key in vertices.iter().filter_map(|vertex| deposit_key_of(params, vertex)) {
+    if L::Kept::WORDS == 0 {
+        return;
+    }
+    for key in vertices.iter().filter_map(|vertex| key_of_deposit(params, vertex)) {
         for key in levels(&key, count) {
             table.name(&key, step);
         }
@@ -253,12 +252,12 @@ pub fn deposit_levels<L: Layout>(
     counters: &mut Counters,
 ) {
     for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
-        let Some(key) = deposit_key_of(params, vertex) else {
-            deposit_key(table, params, None, vertex, counters);
+        let Some(key) = key_of_deposit(params, vertex) else {
+            deposit_under(table, params, None, vertex, counters);
             continue;
         };
         for key in levels(&key, count) {
-            deposit_key(table, params, Some(&key), vertex, counters);
+            deposit_under(table, params, Some(&key), vertex, counters);
         }
     }
 }

@@ -9,11 +9,11 @@ use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
 use crate::key::Key;
-use crate::layout::Layout;
+use crate::layout::{Keep, Layout};
 use crate::names::Naming;
 use crate::params::Params;
 use crate::table::{Claim, Table};
-use crate::vertex::{answer_vertices, deposit_key, find_named};
+use crate::vertex::{answer_vertices, deposit_under, find_named};
 
 /// Claims a cell for the key of every recordable vertex. True when some key was refused. Any number of threads may claim
 /// parts of the same vertices.
@@ -26,13 +26,16 @@ pub fn claim_keyed<L: Layout>(
     keys.fold(false, |refused, key| refused | (table.claim(&key) == Claim::Refused))
 }
 
-/// Names what was claimed, in layouts that keep keys; see [`crate::names`].
+/// Names what was claimed; does nothing in layouts without keys. See [`crate::names`].
 pub fn name_keyed<L: Layout>(
     table: &Table<'_, L>,
     vertices: &[VertexRecord],
     key_of: impl Fn(&VertexRecord) -> Option<Key>,
     step: Naming,
 ) {
+    if L::Kept::WORDS == 0 {
+        return;
+    }
     for key in vertices.iter().filter(|vertex| vertex.is_recordable()).filter_map(key_of) {
         table.name(&key, step);
     }
@@ -48,7 +51,7 @@ pub fn deposit_keyed<L: Layout>(
     counters: &mut Counters,
 ) {
     for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
-        deposit_key(table, params, key_of(vertex).as_ref(), vertex, counters);
+        deposit_under(table, params, key_of(vertex).as_ref(), vertex, counters);
     }
 }
 

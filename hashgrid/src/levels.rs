@@ -48,13 +48,13 @@
 use hashcache_core::exact::MAX_DEPOSITS;
 use hashcache_core::record::VertexRecord;
 
-use crate::jitter::SALT_DEPOSIT;
-use crate::key::{Key, coarser, finer, key};
+use crate::key::{Key, coarser, finer};
 use crate::layout::{Keep, Layout};
 use crate::params::Params;
 use crate::sums::Sums;
 use crate::table::Table;
 use crate::tag::tag_is_new;
+use crate::vertex::key_of_deposit;
 
 /// What [`inherit`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,9 +67,8 @@ pub struct Inherited {
 
 /// Stamps the cells that a frame's vertices deposit into. Any number of threads may stamp parts of the same vertices.
 pub fn touch_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord], frame: u32) {
-    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
-        let found = key(params, vertex, SALT_DEPOSIT).and_then(|key| table.find_named(&key));
-        if let Some(slot) = found {
+    for key in vertices.iter().filter_map(|vertex| key_of_deposit(params, vertex)) {
+        if let Some(slot) = table.find_named(&key) {
             table.touch(slot, frame);
         }
     }

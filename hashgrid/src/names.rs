@@ -32,12 +32,12 @@
 
 use hashcache_core::record::VertexRecord;
 
-use crate::jitter::SALT_DEPOSIT;
-use crate::key::{Key, key};
+use crate::key::Key;
 use crate::layout::{Keep, Layout};
 use crate::params::Params;
 use crate::table::Table;
 use crate::tag::tag_is_new;
+use crate::vertex::key_of_deposit;
 
 /// The steps of naming: the key's two words, one after the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,16 +54,18 @@ pub fn name_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices:
     if L::Kept::WORDS == 0 {
         return;
     }
-    for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
-        if let Some(key) = key(params, vertex, SALT_DEPOSIT) {
-            table.name(&key, step);
-        }
+    for key in vertices.iter().filter_map(|vertex| key_of_deposit(params, vertex)) {
+        table.name(&key, step);
     }
 }
 
 impl<L: Layout> Table<'_, L> {
     /// Offers the key as the name of the cell with its tag, if that is still without deposits.
+    /// Does nothing in layouts without keys.
     pub fn name(&self, key: &Key, step: Naming) {
+        if L::Kept::WORDS == 0 {
+            return;
+        }
         let found = self.find(key);
         if let Some(slot) = found.slot.filter(|_| tag_is_new((found.head >> 32) as u32)) {
             L::Kept::of(key).offer(self.key_words(slot), step);

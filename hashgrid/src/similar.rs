@@ -43,14 +43,14 @@ use hashcache_core::pack::octahedral_decode_int;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
-use crate::jitter::{SALT_DEPOSIT, normal_bin};
+use crate::jitter::normal_bin;
 use crate::key::{Key, fingerprint, home, key};
 use crate::layout::{Keep, Layout};
 use crate::params::Params;
 use crate::sums::Sums;
 use crate::table::{Claim, Table};
 use crate::tag::{EMPTY, NEW, tag};
-use crate::vertex::{answer_vertices, deposit_found, note_all, quantize_for};
+use crate::vertex::{answer_vertices, deposit_found, key_of_deposit, note_all, quantize_for};
 
 /// The bits of [`Key::attributes`] that tell the place: all but the normal's bin.
 const PLACE: u32 = !(0x7ff << 8);
@@ -61,10 +61,6 @@ pub const fn place_home(key: &Key) -> u32 {
     home(&Key { cell: key.cell, attributes: key.attributes & PLACE })
 }
 
-fn deposit_key(params: &Params, vertex: &VertexRecord) -> Option<Key> {
-    if vertex.is_recordable() { key(params, vertex, SALT_DEPOSIT) } else { None }
-}
-
 fn home_slot<L: Layout>(table: &Table<'_, L>, key: &Key) -> u32 {
     const { assert!(L::Kept::WORDS == 0, "names are found by another home") }
     place_home(key) & table.mask()
@@ -73,7 +69,7 @@ fn home_slot<L: Layout>(table: &Table<'_, L>, key: &Key) -> u32 {
 /// Claims a cell for every vertex that has a key. True when some key was refused. Any number of threads may claim parts
 /// of the same vertices.
 pub fn claim_similar<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord]) -> bool {
-    let keys = vertices.iter().filter_map(|vertex| deposit_key(params, vertex));
+    let keys = vertices.iter().filter_map(|vertex| key_of_deposit(params, vertex));
     keys.fold(false, |refused, key| {
         let slot = home_slot(table, &key);
         refused | (table.claim_from(slot, fingerprint(&key), table.head(slot)) == Claim::Refused)
@@ -91,7 +87,7 @@ pub fn deposit_similar<L: Layout>(
     for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
         counters.deposits += 1;
         let values = quantize_for::<L>(params, vertex);
-        let found = deposit_key(params, vertex);
+        let found = key_of_deposit(params, vertex);
         let found = found.map(|key| table.find_at(home_slot(table, &key), fingerprint(&key)));
         let stored = deposit_found(table, found, &values, counters);
         note_all(&values, stored, counters);

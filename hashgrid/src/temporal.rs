@@ -25,13 +25,11 @@ use hashcache_core::error::ParamError;
 use hashcache_core::exact::MAX_DEPOSITS;
 use hashcache_core::record::VertexRecord;
 
-use crate::jitter::SALT_DEPOSIT;
-use crate::key::key;
 use crate::layout::Layout;
 use crate::params::Params;
 use crate::sums::{Sums, luminance};
 use crate::table::Table;
-use crate::vertex::quantize_vertex;
+use crate::vertex::{key_of_deposit, quantize_vertex};
 
 /// What re-evaluated paths tell of a cell: sums over those that fell into it.
 ///
@@ -197,7 +195,7 @@ pub fn change_vertices<L: Layout>(
 ) {
     let light = |vertex: &VertexRecord| luminance(&quantize_vertex(params, vertex).map(|channel| channel.value));
     for (before, now) in before.iter().zip(now).filter(|(before, now)| before.is_recordable() && now.is_recordable()) {
-        let found = key(params, now, SALT_DEPOSIT).and_then(|key| table.find_named(&key));
+        let found = key_of_deposit(params, now).and_then(|key| table.find_named(&key));
         match found {
             Some(slot) => table.add_change(slot, Change::of(light(before), light(now))),
             None => counters.refusals += 1,

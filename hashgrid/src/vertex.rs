@@ -152,8 +152,14 @@ pub(crate) fn find_named<L: Layout>(table: &Table<'_, L>, key: &Key) -> Found {
     start.find_from(table, table.head(start.slot))
 }
 
+/// The key under which a vertex deposits; none for a vertex that is not [recordable](VertexRecord::is_recordable).
+#[inline]
+pub(crate) fn key_of_deposit(params: &Params, vertex: &VertexRecord) -> Option<Key> {
+    if vertex.is_recordable() { key(params, vertex, SALT_DEPOSIT) } else { None }
+}
+
 /// Deposits a vertex under a key, or counts it as refused.
-pub(crate) fn deposit_key<L: Layout>(
+pub(crate) fn deposit_under<L: Layout>(
     table: &Table<'_, L>,
     params: &Params,
     key: Option<&Key>,

@@ -54,7 +54,7 @@ fn wall(cells: f32, size: f32, offset: f32, light: f32, seed: u32) -> Vec<Vertex
 fn live(rule: &impl Rule, size: f32, offset: f32, light: f32, load: f32) {
     let at = format!("cells of {size} m, {offset} m off, light {light:e}, load {load}");
     let settings = Settings {
-        base_size: size.min(9e5),
+        base_size: size,
         max_probes: 16,
         normal_bins: 1,
         pixel_angle: 0.01,

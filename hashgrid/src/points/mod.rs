@@ -65,11 +65,11 @@ use hashcache_core::counters::Counters;
 use hashcache_core::record::VertexRecord;
 
 use crate::key::Key;
-use crate::layout::Layout;
+use crate::layout::{Keep, Layout};
 use crate::names::Naming;
 use crate::params::Params;
 use crate::table::{Claim, Table};
-use crate::vertex::deposit_key;
+use crate::vertex::deposit_under;
 
 /// What stands for the normal's bin in the keys of points: none of a normal, so that points and cells may share a table.
 pub const POINT_BIN: u32 = 2047;
@@ -98,8 +98,11 @@ pub fn claim_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices
     keys.fold(false, |refused, key| refused | (table.claim(&key) == Claim::Refused))
 }
 
-/// Names what was claimed, in layouts that keep keys; see [`crate::names`].
+/// Names what was claimed; does nothing in layouts without keys. See [`crate::names`].
 pub fn name_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord], step: Naming) {
+    if L::Kept::WORDS == 0 {
+        return;
+    }
     for key in vertices.iter().filter_map(|vertex| chosen_by(params, vertex)) {
         table.name(&key, step);
     }
@@ -114,6 +117,6 @@ pub fn deposit_vertices<L: Layout>(
     counters: &mut Counters,
 ) {
     for vertex in vertices.iter().filter(|vertex| vertex.is_recordable()) {
-        deposit_key(table, params, chosen_by(params, vertex).as_ref(), vertex, counters);
+        deposit_under(table, params, chosen_by(params, vertex).as_ref(), vertex, counters);
     }
 }

@@ -3,7 +3,8 @@ use std::thread;
 use hashcache_core::counters::Counters;
 use hashgrid::Key;
 use hashgrid::key::{fingerprint, home};
-use hashgrid::layout::{Lasting, Layout};
+use hashgrid::keyed::name_keyed;
+use hashgrid::layout::{Lasting, Layout, Standard};
 use hashgrid::names::{Naming, name_vertices};
 use hashgrid::vertex::{claim_vertices, deposit_vertices};
 
@@ -49,6 +50,24 @@ fn names_end_false_matches() {
             assert_eq!(found, order.map(|key| key == owner));
         }
     }
+}
+
+/// A layout without keys asks nobody for one, and its table stays as it was.
+#[test]
+fn without_keys_nothing_is_named() {
+    let params = params(still());
+    let words = storage_of::<Standard>(64, &params);
+    let table = Table::<Standard>::with_layout(&words, &params).unwrap();
+    let vertices = room(16, 1);
+    claim_vertices(&table, &params, &vertices);
+    let before = bits(&words);
+    for step in [Naming::First, Naming::Second] {
+        name_keyed(&table, &vertices, |_| panic!("asked for a key"), step);
+        name_vertices(&table, &params, &vertices, step);
+        hashgrid::few::name_levels(&table, &params, &vertices, 3, step);
+        hashgrid::points::name_vertices(&table, &params, &vertices, step);
+    }
+    assert!(bits(&words) == before);
 }
 
 /// Claims, names and deposits of the same new keys by many threads at once: the same words as by one, names right,

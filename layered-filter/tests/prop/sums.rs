@@ -116,19 +116,20 @@ proptest! {
     /// Any bits: sums and everything made from them stay finite, and what was left out is counted.
     #[test]
     fn hostile_samples_are_left_out(
-        bits in prop::collection::vec((prop::array::uniform24(any_float()), prop::array::uniform6(any_float())), 1..6),
+        bits in prop::collection::vec((prop::array::uniform24(any_float()), prop::array::uniform7(any_float())), 1..6),
         flags in 0_u32..8, samples in 0_u32..3,
     ) {
         for direct in [Direct::Record, Direct::Estimate] {
             let mut pixel = LayerPixel::zeroed();
             let mut broken = 0;
-            for (record, [a, b, c, d, e, f]) in &bits {
+            for (record, [a, b, c, d, e, f, variance]) in &bits {
                 let mut record: VertexRecord = bytemuck::cast(*record);
                 record.flags = flags;
-                let estimate = Estimate { direct: Vec3::new(*a, *b, *c), further: Vec3::new(*d, *e, *f), samples, variance: 0.0 };
+                let [first, second] = [Vec3::new(*a, *b, *c), Vec3::new(*d, *e, *f)];
+                let estimate = Estimate { direct: first, further: second, samples, variance: *variance };
                 broken += u32::from(!pixel.add(&params(direct), &record, &estimate));
             }
-            prop_assert!(pixel.counts[3] >= broken && (broken == 0) == (pixel.counts[3] == 0));
+            prop_assert!(pixel.left_out() >= broken && (broken == 0) == (pixel.left_out() == 0));
             let floats: [[f32; 4]; 8] = bytemuck::cast(pixel);
             prop_assert!(floats[..7].as_flattened().iter().all(|v| v.is_finite()), "{pixel:?}");
             let guide = PreparedGuide::of_pixel(&GuideScale::new(1.0).unwrap(), &pixel);
