@@ -1,5 +1,8 @@
 //! `hashgrid`, on storage of the caller's.
 
+mod time;
+mod ways;
+
 use core::hint::black_box;
 
 use hashcache_core::counters::Counters;
@@ -56,6 +59,8 @@ pub fn run(checks: &mut Checks) {
     checks.that("estimate_vertices", right == 4 && counters.hits == 4);
     checks.that("Table::validate", table.validate().is_ok());
     cells(checks, &table, &params, &vertices[0]);
+    ways::run(checks, &params, &vertices);
+    time::run(checks, &params, &vertices);
 }
 
 fn cells(checks: &mut Checks, table: &Table<'_>, params: &Params, vertex: &VertexRecord) {
