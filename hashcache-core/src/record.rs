@@ -64,7 +64,8 @@ pub struct VertexRecord {
     pub further: [f32; 4],
     /// Product of all scattering weights from the camera to this vertex, its diffuse albedo included, over the
     /// probabilities of the choices made; w: shininess, 1 − roughness, of the lobe by which the pixel's chain goes on
-    /// from here to the next layer: 1 for a perfect mirror, 0 where it goes no further.
+    /// from here to the next layer: 1 for a perfect mirror, at least [`VertexRecord::LEAST_SHININESS`], 0 where it goes no
+    /// further.
     pub throughput: [f32; 4],
     /// Light of the path that does not pass through this vertex's diffuse lobe; w is 0.
     pub emitted: [f32; 4],
@@ -119,14 +120,17 @@ impl VertexRecord {
         (self.flags >> Self::LAYER_SHIFT) & Self::MAX_LAYER
     }
 
+    /// Least shininess of a lobe by which a chain goes on: also the roughest is told from the end of the chain.
+    pub const LEAST_SHININESS: f32 = 1.0 / 256.0;
+
     /// Whether position, footprint and normal are those of a surface, with a diffuse lobe or without.
     #[inline]
     pub const fn is_guide(&self) -> bool {
         self.flags & (Self::VALID | Self::GUIDE) != 0
     }
 
-    /// 1 − roughness of the lobe by which the pixel's chain goes on from here; 0: it does not, or by a lobe as rough as
-    /// a diffuse one.
+    /// 1 − roughness of the lobe by which the pixel's chain goes on from here, at least [`VertexRecord::LEAST_SHININESS`];
+    /// 0: it does not.
     #[inline]
     pub const fn shininess(&self) -> f32 {
         self.throughput[3]
