@@ -100,3 +100,45 @@ fn pictures_of_several_batches_render() {
     }
     Preview::open("builtin:cornell", &settings).unwrap().render(&mut |_| ()).unwrap();
 }
+
+/// A number as the documentation writes it.
+fn written(number: &str) -> String {
+    let number = number.strip_suffix(".0").unwrap_or(number);
+    let number = match number {
+        "1000000" => "10⁶",
+        "1000000000" => "10⁹",
+        "1000000000000" => "10¹²",
+        other => other,
+    };
+    number.replace('-', "−")
+}
+
+/// Each setting's documentation tells its range and its default.
+#[test]
+fn ranges_and_defaults_are_documented() {
+    let source = include_str!("../src/settings/mod.rs");
+    let defaults = Settings::default().to_json();
+    for key in Settings::keys() {
+        let start = format!("    /// `{key}`: ");
+        assert_eq!(source.matches(&start).count(), 1, "{key} is documented once");
+        let lines = source[source.find(&start).unwrap()..].lines();
+        let doc: Vec<_> = lines.map_while(|line| line.trim().strip_prefix("/// ")).collect();
+        let doc = doc.join(" ");
+        let mut settings = Settings::default();
+        let told = settings.set(key, "?").err().map(|error| error.to_string());
+        let range = told.as_deref().and_then(|told| told.rsplit_once("from ")?.1.split_once(" to "));
+        if let Some((least, most)) = range {
+            let range = format!("{} to {}", written(least), written(most));
+            assert!(doc.contains(&range), "{key} takes {range}: {doc}");
+        }
+        let default = match &defaults[key] {
+            serde_json::Value::Null => continue,
+            serde_json::Value::String(name) => format!("`{name}`"),
+            number => written(&number.to_string()),
+        };
+        let [alone, first] = ["by", "By"].map(|by| format!("{by} default {default}"));
+        let ends =
+            |text: &str| doc.find(text).is_some_and(|at| !doc[at + text.len()..].starts_with(char::is_alphanumeric));
+        assert!(ends(&alone) || ends(&first), "{key} is {default} by default: {doc}");
+    }
+}

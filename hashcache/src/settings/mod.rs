@@ -31,127 +31,143 @@ pub const MAX_RESOLUTION: u32 = 1 << 16;
 /// Largest `max_bounces`.
 pub const MAX_BOUNCES: u32 = 1024;
 
-/// What a preview is rendered with. Defaults are those of the command line.
+/// What a preview is rendered with: each setting by its name, what it means, its range and its default, which is also the
+/// command line's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// `backend`: where kernels run.
+    /// `backend`: where kernels run, by default `cpu`.
     pub backend: BackendKind,
-    /// `integrator`: how light is transported.
+    /// `integrator`: how light is transported, by default `path`.
     pub integrator: IntegratorKind,
-    /// `cache`: where light is shared between paths.
+    /// `cache`: where light is shared between paths, by default `octree`.
     pub cache: CacheKind,
-    /// `visibility`: how shadow rays are answered.
+    /// `visibility`: how shadow rays are answered, by default `exact`.
     pub visibility: VisibilityKind,
-    /// `filter`: how the picture is filtered.
+    /// `filter`: how the picture is filtered, by default `layered`.
     pub filter: FilterKind,
-    /// `spp`: samples a pixel, 1 to [`MAX_SPP`].
+    /// `spp`: samples a pixel, 1 to 16777216 ([`MAX_SPP`]), by default 1.
     pub spp: u32,
-    /// `size`: columns × rows; `None`: what the scene asks for, else 512×512.
+    /// `size`: columns × rows, each 1 to 16384 ([`MAX_SIDE`]); `None`: what the scene asks for, else 512×512.
     pub size: Option<(u32, u32)>,
     /// `camera`: a camera's name or index in the file, or a camera file; `None`: the file's first.
     pub camera: Option<String>,
     /// `env`: an environment map that replaces the scene's.
     pub env: Option<PathBuf>,
-    /// `env_scale`: factor on the environment's radiance, at least 0.
+    /// `env_scale`: factor on the environment's radiance, 0 to 10¹², by default 1.
     pub env_scale: f32,
-    /// `env.rotation`: degrees by which the environment is turned about +y, counter-clockwise seen from above: at 90, what
-    /// was at −z is at −x.
+    /// `env.rotation`: degrees by which the environment is turned about +y, counter-clockwise seen from above: at 90,
+    /// what was at −z is at −x. −3600 to 3600, by default 0.
     pub env_rotation: f32,
-    /// `max_bounces`: surface scatterings at most; 0 shows only emission seen directly.
+    /// `max_bounces`: surface scatterings at most, 0 to 1024 ([`MAX_BOUNCES`]), by default 8; 0 shows only emission seen
+    /// directly.
     pub max_bounces: u32,
-    /// `seed`: of every random decision.
+    /// `seed`: of every random decision, 0 to 4294967295, by default 0.
     pub seed: u32,
-    /// `threads`: 0 for one a core.
+    /// `threads`: 0 to 1024, by default 0: one a core.
     pub threads: u32,
-    /// `cpu.launcher`: how the CPU backend runs kernels.
+    /// `cpu.launcher`: how the CPU backend runs kernels, by default `rayon`.
     pub launcher: Launcher,
-    /// `path.roulette_depth`: Russian roulette from this scattering on; `None` (`off`): none.
+    /// `path.roulette_depth`: Russian roulette from this scattering on, 1 to 1024; `None` (`off`), by default `off`:
+    /// none.
     pub roulette_depth: Option<u32>,
-    /// `cache.roulette_depth`: the same for the paths that fill a cache or feed a filter, whose noise others share.
+    /// `cache.roulette_depth`: the same for the paths that fill a cache or feed a filter, whose noise others share: 1 to
+    /// 1024 or `off`, by default 4.
     pub cache_roulette_depth: Option<u32>,
-    /// `cache.direct`: whether direct light comes from the cache or from the pixel's own shadow rays.
+    /// `cache.direct`: whether direct light comes from the cache or from the pixel's own shadow rays, by default
+    /// `cached`.
     pub direct: DirectLight,
-    /// `cache.crf`: caching resolution factor: columns and rows of the cache pass per column and row of the picture.
+    /// `cache.crf`: caching resolution factor: columns and rows of the cache pass per column and row of the picture, 0.05
+    /// to 8, by default 1.
     pub crf: f32,
-    /// `cache.store`: vertices of each path that the cache takes, 1 to 8.
+    /// `cache.store`: vertices of each path that the cache takes, 1 to 8, by default 1.
     pub store: u32,
-    /// `cache.length`: scatterings behind a stored vertex that bring light to it; `None` (`auto`): as many as
-    /// `max_bounces` leaves to a path's first vertex.
+    /// `cache.length`: scatterings behind a stored vertex that bring light to it, 0 to 1024; `None` (`auto`), by default
+    /// `auto`: as many as `max_bounces` leaves to a path's first vertex.
     pub store_length: Option<u32>,
-    /// `direct.samples`: shadow rays of each sample of a pixel when direct light is traced.
+    /// `direct.samples`: shadow rays of each sample of a pixel when direct light is traced, 1 to 256, by default 2.
     pub direct_samples: u32,
-    /// `direct.candidates`: light samples among which each shadow ray's is drawn by its contribution.
+    /// `direct.candidates`: light samples among which each shadow ray's is drawn by its contribution, 1 to 64, by default
+    /// 1.
     pub direct_candidates: u32,
-    /// `direct.scattered`: rays in proportion to the cosine, beside the shadow rays; without any, noise near emitters has no
-    /// bound.
+    /// `direct.scattered`: rays in proportion to the cosine, beside the shadow rays, 0 to 64, by default 1; without any,
+    /// noise near emitters has no bound.
     pub direct_scattered: u32,
-    /// `reconstruct.samples`: samples a pixel and frame at least that show surfaces and ask the cache.
+    /// `reconstruct.samples`: samples a pixel and frame at least that show surfaces and ask the cache, 1 to 4096, by
+    /// default 4.
     pub reconstruct_samples: u32,
-    /// `needs.force`: features that frames model though the scene has none of them: no bit of the picture changes, only
-    /// time and memory.
+    /// `needs.force`: features that frames model though the scene has none of them, by default `none`: no bit of the
+    /// picture changes, only time and memory.
     pub needs_force: FeatureSet,
-    /// `filter.layers`: vertices one behind another, through mirrors and glass, that are kept and filtered by
-    /// themselves, 1 to 8; fewer where the scene needs fewer.
+    /// `filter.layers`: vertices one behind another, through mirrors and glass, that are kept and filtered by themselves,
+    /// 1 to 8, by default 4; fewer where the scene needs fewer.
     pub filter_layers: u32,
-    /// `filter.denoiser`: the denoiser behind the filter.
+    /// `filter.denoiser`: the denoiser behind the filter, by default `cross-bilateral`.
     pub denoiser: DenoiserKind,
-    /// `filter.passes`: passes of the denoiser over each image, 1 to 8.
+    /// `filter.passes`: passes of the denoiser over each image, 1 to 8, by default 1.
     pub filter_passes: u32,
-    /// `filter.radius`: farthest tap of the cross-bilateral filter in pixels.
+    /// `filter.radius`: farthest tap of the cross-bilateral filter in pixels, 1 to 256, by default 8.
     pub filter_radius: f32,
-    /// `filter.samples`: the radius is √(this / samples behind a pixel's light), up to `filter.radius`; 0: always that.
+    /// `filter.samples`: the radius is √(this / samples behind a pixel's light), up to `filter.radius`; 0: always that. 0
+    /// to 10⁹, by default 600.
     pub filter_samples: f32,
-    /// `filter.wide_radius`: farthest tap of the pass that comes before, over the octree's light, and mixes what differs by no
-    /// more than its noise, in pixels, 1 to 256; 0: no such pass.
+    /// `filter.wide_radius`: farthest tap of the pass that comes before, over the octree's light, and mixes what differs
+    /// by no more than its noise, in pixels, 1 to 256, by default 24; 0: no such pass.
     pub filter_wide_radius: f32,
-    /// `filter.wide_samples`: that radius is √(this / samples behind a pixel's light), up to `filter.wide_radius`; 0: always that.
+    /// `filter.wide_samples`: that radius is √(this / samples behind a pixel's light), up to `filter.wide_radius`; 0:
+    /// always that. 0 to 10⁹, by default 5000.
     pub filter_wide_samples: f32,
-    /// `filter.significance`: standard deviations of a difference of light at which that pass mixes 1/e.
+    /// `filter.significance`: standard deviations of a difference of light at which that pass mixes 1/e, 0.001 to 10⁶, by
+    /// default 2.
     pub filter_significance: f32,
-    /// `filter.direct_radius`: the radius over direct light that is traced, in pixels.
+    /// `filter.direct_radius`: the radius over direct light that is traced, in pixels, 1 to 256, by default 2.
     pub filter_direct_radius: f32,
-    /// `filter.luminance`: fall with the difference of light, in standard deviations of a pixel's mean, 0.001 to 10⁶; 0: off.
+    /// `filter.luminance`: fall with the difference of light, in standard deviations of a pixel's mean, 0.001 to 10⁶; 0:
+    /// off. By default 0.
     pub filter_luminance: f32,
-    /// `filter.normal`: how often the cosine between normals is squared, 0 to 10.
+    /// `filter.normal`: how often the cosine between normals is squared, 0 to 10, by default 3.
     pub filter_normal: u32,
-    /// `filter.path`: fall with the difference of path lengths, per scene radius; 0: off.
+    /// `filter.path`: fall with the difference of path lengths, per scene radius; 0: off. 0 to 10⁹, by default 0.
     pub filter_path: f32,
-    /// `filter.segment`: fall with the difference of last segments' lengths, per scene radius; 0: off.
+    /// `filter.segment`: fall with the difference of last segments' lengths, per scene radius; 0: off. 0 to 10⁹, by
+    /// default 0.
     pub filter_segment: f32,
-    /// `filter.plane`: width of the bell over the distance from the tangent plane, in pixel footprints, 0.01 to 10⁴; 0: off.
+    /// `filter.plane`: width of the bell over the distance from the tangent plane, in pixel footprints, 0.01 to 10000, by
+    /// default 2; 0: off.
     pub filter_plane: f32,
-    /// `filter.color`: fall with the difference of albedos; 0: off.
+    /// `filter.color`: fall with the difference of albedos; 0: off. 0 to 10⁶, by default 0.
     pub filter_color: f32,
-    /// `octree.resolution`: cells of the finest level along the scene's largest side, a power of two; `None` (`auto`):
-    /// from the picture's median footprint and `octree.memory`.
+    /// `octree.resolution`: cells of the finest level along the scene's largest side, a power of two, 4 to 65536
+    /// ([`MAX_RESOLUTION`]); `None` (`auto`), by default `auto`: from the picture's median footprint and `octree.memory`.
     pub octree_resolution: Option<u32>,
-    /// `octree.memory`: most MiB of an octree whose resolution is `auto`.
+    /// `octree.memory`: most MiB of an octree whose resolution is `auto`, 1 to 1048576, by default 1024.
     pub octree_memory: u32,
-    /// `octree.cell`: size of the cell asked for in pixel footprints, above 0.
+    /// `octree.cell`: size of the cell asked for in pixel footprints, 0.01 to 10000, by default 2.
     pub octree_cell: f32,
-    /// `octree.jitter`: width of the jitter in cells, 0 (none) to 2.
+    /// `octree.jitter`: width of the jitter in cells, 0 to 2, by default 0.75; 0: none.
     pub octree_jitter: f32,
-    /// `octree.min_samples`: samples below which a coarser cell is asked.
+    /// `octree.min_samples`: samples below which a coarser cell is asked, 0 to 16777216, by default 128.
     pub octree_min_samples: u32,
-    /// `octree.shrinkage`: samples that a coarser cell counts for in a finer one's answer; 0: levels do not mix.
+    /// `octree.shrinkage`: samples that a coarser cell counts for in a finer one's answer; 0: levels do not mix. 0 to
+    /// 65536, by default 16.
     pub octree_shrinkage: f32,
-    /// `octree.max_climb`: levels at most that a question rises for `octree.min_samples`.
+    /// `octree.max_climb`: levels at most that a question rises for `octree.min_samples`, 0 to 31, by default 5.
     pub octree_max_climb: u32,
-    /// `octree.layout`: what a cell stores.
+    /// `octree.layout`: what a cell stores, by default `exact`.
     pub octree_layout: OctreeLayout,
-    /// `grid.cell`: size of a cell in pixel footprints, above 0.
+    /// `grid.cell`: size of a cell in pixel footprints, 0.01 to 10000, by default 8.
     pub grid_cell: f32,
-    /// `grid.jitter`: width of the jitter in cells, 0 (none) to 1.
+    /// `grid.jitter`: width of the jitter in cells, 0 to 1, by default 1; 0: none.
     pub grid_jitter: f32,
-    /// `grid.normal_bins`: bins of normals along a side of the cube of directions, odd.
+    /// `grid.normal_bins`: bins of normals along a side of the cube of directions, odd, 1 to 15, by default 3.
     pub grid_normal_bins: u32,
-    /// `grid.slots`: cells that the table has room for, a power of two; `None` (`auto`): from the picture's size.
+    /// `grid.slots`: cells that the table has room for, a power of two, 64 to 268435456; `None` (`auto`), by default
+    /// `auto`: from the picture's size.
     pub grid_slots: Option<u32>,
-    /// `grid.max_probes`: slots tried for a key, 1 to 64.
+    /// `grid.max_probes`: slots tried for a key, 1 to 64, by default 32.
     pub grid_max_probes: u32,
-    /// `image.exposure`: stops by which a PNG is brighter; EXR and HDR hold radiance as it is.
+    /// `image.exposure`: stops by which a PNG is brighter, −100 to 100, by default 0; EXR and HDR hold radiance as it is.
     pub image_exposure: f32,
-    /// `image.tonemap`: the curve between radiance and a PNG.
+    /// `image.tonemap`: the curve between radiance and a PNG, by default `srgb`.
     pub image_tonemap: ToneCurve,
 }
 
