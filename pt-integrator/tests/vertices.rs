@@ -181,7 +181,6 @@ fn roulette_lights_black_surfaces_too() {
 fn first_vertex_is_the_path_tracers() {
     let mut scene = room(0.7);
     scene.materials[0].emission = [0.0; 4];
-    scene.triangle_shading.iter_mut().for_each(|s| s.emitter = u32::MAX);
     let lamp = quad(Vec3::new(-0.4, 0.85, -0.4), 0.8 * Vec3::X, 0.8 * Vec3::Z);
     add_triangles(&mut scene, &lamp, Material::emissive([0.2; 3], [5.0, 4.0, 3.0]));
     let packed = PackedScene::new(&scene).unwrap();

@@ -8,14 +8,13 @@ use pt_integrator::scene::{NONE, SceneData, TriangleShading};
 /// A scene that grows mesh by mesh.
 #[derive(Debug, Default)]
 pub(crate) struct Builder {
-    /// What there is so far. Materials are in it before the triangles that use them.
+    /// What there is so far.
     pub data: SceneData,
     /// Whether second texture coordinates are kept.
     pub second_uv: bool,
     /// Whether masks are kept.
     pub masked: bool,
     first_triangle: u32,
-    emitters: u32,
     /// Triangles of no area among those stored.
     pub degenerate: u64,
 }
@@ -43,17 +42,13 @@ impl Builder {
     }
 
     /// Adds a triangle with more than most have.
-    pub fn triangle_with(&mut self, corners: [u32; 3], mut shading: TriangleShading, extra: &Extra) {
+    pub fn triangle_with(&mut self, corners: [u32; 3], shading: TriangleShading, extra: &Extra) {
         if self.second_uv {
             self.data.uv2.push(extra.uv2);
         }
         if self.masked {
             self.data.opacity.mask_of_triangle.push(extra.mask);
             self.data.opacity.uv.push(extra.mask_uv);
-        }
-        if self.data.materials[shading.material as usize].emits() {
-            shading.emitter = self.emitters;
-            self.emitters += 1;
         }
         let [a, b, c] = corners.map(|i| Vec3::from_array(self.data.positions[i as usize]));
         self.degenerate += u64::from((b - a).cross(c - a) == Vec3::ZERO);
@@ -65,7 +60,7 @@ impl Builder {
     pub fn finish_mesh(&mut self) -> Option<u32> {
         let first_triangle = self.first_triangle;
         let triangle_count = self.data.indices.len() as u32 - first_triangle;
-        (self.first_triangle, self.emitters) = (self.data.indices.len() as u32, 0);
+        self.first_triangle = self.data.indices.len() as u32;
         (triangle_count > 0).then(|| {
             self.data.meshes.push(Mesh { first_triangle, triangle_count });
             self.data.meshes.len() as u32 - 1

@@ -105,14 +105,7 @@ impl Info {
         let kinds = [PunctualLight::POINT, PunctualLight::SPOT, PunctualLight::DIRECTIONAL].map(f32::to_bits);
         self.punctual_lights =
             kinds.map(|kind| data.punctual_lights.iter().filter(|light| light.position[3].to_bits() == kind).count());
-        let emissive: Vec<u64> = data
-            .meshes
-            .iter()
-            .map(|m| {
-                let range = m.first_triangle as usize..(m.first_triangle + m.triangle_count) as usize;
-                data.triangle_shading[range].iter().filter(|s| s.emitter != NONE).count() as u64
-            })
-            .collect();
+        let emissive: Vec<u64> = data.meshes.iter().map(|&mesh| data.emitting_triangles(mesh)).collect();
         for instance in &data.instances {
             self.triangles += u64::from(data.meshes[instance.mesh as usize].triangle_count);
             self.emissive_triangles += emissive[instance.mesh as usize];

@@ -1,7 +1,7 @@
 //! The built-in scenes are what they say.
 #![expect(clippy::float_cmp, reason = "values that are copied or exact come out exactly")]
 
-use pt_integrator::scene::{Environment, Lobes, Material, NONE};
+use pt_integrator::scene::{Environment, Lobes, Material};
 use scene::glam::{DVec3, Vec3};
 use scene::{LoadOptions, Loaded};
 
@@ -38,7 +38,7 @@ fn cornell_is_the_published_box() {
     }
     for i in 0..2 {
         let (centre, front) = side(&loaded, i);
-        assert_eq!(loaded.data.triangle_shading[i].emitter, i as u32);
+        assert!(loaded.data.emits(i));
         assert!((centre.y - 0.99).abs() < 1e-6 && front.abs_diff_eq(Vec3::NEG_Y, 1e-6));
     }
     // Both blocks are closed and face outwards: the volume by the divergence theorem.
@@ -72,7 +72,7 @@ fn the_furnace_is_closed_and_glows_inwards() {
     for i in 0..12 {
         let (centre, front) = side(&loaded, i);
         assert!(front.dot(-centre) > 0.9, "{centre} {front}");
-        assert_ne!(loaded.data.triangle_shading[i].emitter, NONE);
+        assert!(loaded.data.emits(i));
     }
     let material = loaded.data.materials[0];
     assert_eq!((material.base_color[..3].to_vec(), material.emission[..3].to_vec()), (vec![0.5; 3], vec![1.0; 3]));
@@ -82,7 +82,7 @@ fn the_furnace_is_closed_and_glows_inwards() {
 
 /// Area and centre of what emits, and the direction it shines to (up, down, …).
 fn lamps(loaded: &Loaded) -> Vec<(f32, Vec3, Vec3)> {
-    let emits = |i: &usize| loaded.data.triangle_shading[*i].emitter != NONE;
+    let emits = |i: &usize| loaded.data.emits(*i);
     let lamp = |i: usize| {
         let [a, b, c] = loaded.data.indices[i].map(|v| Vec3::from(loaded.data.positions[v as usize]));
         ((b - a).cross(c - a).length() * 0.5, (a + b + c) / 3.0, side(loaded, i).1)

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Gltf, warned};
 use hashcache_core::float;
-use pt_integrator::scene::{Lobes, Material, NONE};
+use pt_integrator::scene::{Lobes, Material};
 use serde_json::{Value, json};
 
 /// A triangle with this material.
@@ -38,7 +38,7 @@ fn a_lambertian_material_gives_no_warning() {
     let loaded = with_material(lambert(json!({}))).load().unwrap();
     assert_eq!(loaded.data.materials, [Material::lambert([0.1, 0.2, 0.3])]);
     assert_eq!(loaded.warnings, []);
-    assert_eq!(loaded.data.triangle_shading[0].emitter, NONE);
+    assert!(!loaded.data.emits(0));
 }
 
 #[test]
@@ -54,14 +54,14 @@ fn emission_is_factor_times_strength_and_drops_normals() {
         assert_eq!(loaded.data.materials[0].emission[..3], [8.0, 4.0, 0.0]);
         assert_eq!(loaded.data.materials[0].flags, u32::from(double_sided) * Material::DOUBLE_SIDED);
         assert!(loaded.data.triangle_shading[0].is_flat());
-        assert_eq!(loaded.data.triangle_shading[0].emitter, 0);
+        assert!(loaded.data.emits(0));
         assert_eq!(loaded.info.emissive_triangles, 1);
         assert_eq!(loaded.warnings, []);
     }
 }
 
 #[test]
-fn emitters_are_numbered_within_their_mesh() {
+fn emitters_are_counted_where_they_are_placed() {
     let mut file = with_material(lambert(json!({"emissiveFactor": [1, 1, 1]})));
     file.push("materials", lambert(json!({})));
     file.json["meshes"][0]["primitives"] = json!([
@@ -73,8 +73,7 @@ fn emitters_are_numbered_within_their_mesh() {
     file.node(json!({"mesh": 1}));
     file.node(json!({"mesh": 1}));
     let loaded = file.load().unwrap();
-    let emitters: Vec<u32> = loaded.data.triangle_shading.iter().map(|s| s.emitter).collect();
-    assert_eq!(emitters, [0, NONE, 1, 0]);
+    assert_eq!([0, 1, 2, 3].map(|triangle| loaded.data.emits(triangle)), [true, false, true, true]);
     assert_eq!(loaded.info.emissive_triangles, 4);
 }
 
@@ -282,7 +281,7 @@ fn an_emission_texture_keeps_normals_unless_it_is_black() {
             json!({"POSITION": 0, "NORMAL": normal, "TEXCOORD_0": uv});
         let loaded = file.load().unwrap();
         assert_eq!(loaded.data.materials[0].emits(), emits);
-        assert_eq!(loaded.data.triangle_shading[0].emitter != NONE, emits);
+        assert_eq!(loaded.data.emits(0), emits);
         assert!(!loaded.data.triangle_shading[0].is_flat(), "surfaces with lit spots stay smooth");
         assert_eq!(loaded.warnings, []);
     }

@@ -54,6 +54,34 @@ impl SceneData {
         }
     }
 
+    /// Whether a triangle's material emits, as [`Material::emits`] says.
+    ///
+    /// # Panics
+    /// When the scene does not have the triangle, or the triangle's material.
+    pub fn emits(&self, triangle: usize) -> bool {
+        self.materials[self.triangle_shading[triangle].material as usize].emits()
+    }
+
+    /// How many of a mesh's triangles emit.
+    ///
+    /// # Panics
+    /// When the scene does not have the mesh's triangles, or their materials.
+    ///
+    /// ```
+    /// use hashcache_core::geometry::Mesh;
+    /// use pt_integrator::scene::{Material, SceneData, TriangleShading};
+    /// let scene = SceneData {
+    ///     triangle_shading: vec![TriangleShading::flat(0), TriangleShading::flat(1)],
+    ///     materials: vec![Material::lambert([0.5; 3]), Material::emissive([0.0; 3], [1.0; 3])],
+    ///     ..SceneData::default()
+    /// };
+    /// assert_eq!(scene.emitting_triangles(Mesh { first_triangle: 0, triangle_count: 2 }), 1);
+    /// ```
+    pub fn emitting_triangles(&self, mesh: Mesh) -> u64 {
+        let first = mesh.first_triangle as usize;
+        (first..first + mesh.triangle_count as usize).filter(|&triangle| self.emits(triangle)).count() as u64
+    }
+
     /// Checks every index, length and number that later code relies on.
     ///
     /// # Errors

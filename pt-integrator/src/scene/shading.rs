@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::NONE;
 
-/// Normals, material and texture coordinates of one triangle. 48 bytes.
+/// Normals, material and texture coordinates of one triangle. 40 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct TriangleShading {
@@ -14,16 +14,12 @@ pub struct TriangleShading {
     pub material: u32,
     /// Texture coordinates of the three vertices; (0, 0) is the image's upper left corner.
     pub uv: [[f32; 2]; 3],
-    /// Index among the emissive triangles of its mesh, in the order of the triangles, or [`NONE`].
-    pub emitter: u32,
-    /// Zero.
-    pub reserved: u32,
 }
 
 impl TriangleShading {
-    /// A flat triangle without texture coordinates that does not emit.
+    /// A flat triangle without texture coordinates.
     pub const fn flat(material: u32) -> Self {
-        Self { normals: [NONE; 3], material, uv: [[0.0; 2]; 3], emitter: NONE, reserved: 0 }
+        Self { normals: [NONE; 3], material, uv: [[0.0; 2]; 3] }
     }
 
     /// Whether the triangle's own normal shades.

@@ -9,15 +9,11 @@ pub fn add_triangles(scene: &mut SceneData, triangles: &[[Vec3; 3]], material: M
     let material_index = scene.materials.len() as u32;
     scene.materials.push(material);
     let first_triangle = scene.indices.len() as u32;
-    for (i, triangle) in triangles.iter().enumerate() {
+    for triangle in triangles {
         let first = scene.positions.len() as u32;
         scene.positions.extend(triangle.map(|p| p.to_array()));
         scene.indices.push([first, first + 1, first + 2]);
-        let mut shading = TriangleShading::flat(material_index);
-        if material.emits() {
-            shading.emitter = i as u32;
-        }
-        scene.triangle_shading.push(shading);
+        scene.triangle_shading.push(TriangleShading::flat(material_index));
     }
     scene.instances.push(Instance::identity(scene.meshes.len() as u32));
     scene.meshes.push(Mesh { first_triangle, triangle_count: triangles.len() as u32 });
