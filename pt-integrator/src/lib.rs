@@ -69,16 +69,17 @@
 //!
 //! # Limits today
 //! Paths start at the camera only, so light that a mirror or glass gathers on a surface (caustics) is found by chance,
-//! and that of punctual lights not at all. Of solids within solids only the one entered last absorbs. At most 2³¹ pixels, 2³² triangles, and what the backend binds. Surfaces that
-//! are nearer to each other than 2⁻¹⁸ of their coordinates are not told apart. Numbers are of 24 bits: of more than
-//! 2²⁴ emitting triangles some are never chosen by next event. The kernels have host bodies only.
+//! and that of punctual lights not at all. Of solids within solids only the one entered last absorbs. At most 2³¹
+//! pixels, 2³² triangles, and what the backend binds. Surfaces that are nearer to each other than 2⁻¹⁸ of their
+//! coordinates are not told apart. Numbers are of 24 bits: of more than 2²⁴ emitting triangles some are never chosen by
+//! next event. The kernels have host bodies only.
 //!
 //! # Sources
 //! Keys of `REFERENCES.md`: Kajiya 1986, Veach 1997 (light transport), Burley 2020, Laine & Karras 2011,
 //! Ahmed 2024, Jarzynski & Olano 2020 (samplers), Duff et al. 2017 (basis), Shirley & Chiu 1997, Heitz 2019, Vose 1991,
-//! Pharr et al. 2023 (sampling), Chen & Asau 1974, Crow 1984, Talbot et al. 2005, Möller & Trumbore 1997, glTF light
-//! extension (emitters), glTF 2.0 (textures, normal maps), Roth et al. 2020 (several vertices of a path), Wächter &
-//! Binder 2019 (ray origins), Kahan 1965 (film).
+//! Pharr et al. 2023, Chao 1982 (sampling), Chen & Asau 1974, Crow 1984, Talbot et al. 2005, Möller & Trumbore 1997,
+//! glTF light extension (emitters), glTF 2.0 (textures, normal maps), Roth et al. 2020 (several vertices of a path,
+//! layers), Wächter & Binder 2019 (ray origins), Kahan 1965 (film); those of materials stand in [`bsdf`].
 #![no_std]
 
 #[cfg(feature = "alloc")]

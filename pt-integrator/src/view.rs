@@ -83,12 +83,7 @@ impl<'a> SceneView<'a> {
     /// The coordinates of a triangle's corners that this texture reads; zeros when the scene has none of that set.
     #[inline]
     pub(crate) fn coordinates(&self, texture: &Texture, triangle: u32) -> [Vec2; 3] {
-        let uv = if texture.flags & Texture::SECOND_UV == 0 {
-            self.triangles[triangle as usize].uv
-        } else {
-            self.second_uv.get(triangle as usize).copied().unwrap_or_default()
-        };
-        uv.map(Vec2::from_array)
+        texture.reads(&self.triangles[triangle as usize].uv, self.second_uv.get(triangle as usize))
     }
 
     /// What a ray sees that leaves the scene in `direction`, and with which density next-event estimation would have

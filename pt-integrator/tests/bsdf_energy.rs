@@ -19,12 +19,13 @@ fn energies(bsdf: &Bsdf) -> [Vec3; 4] {
     const N: usize = 28;
     Lobe::ALL.map(|lobe| {
         let scale = if lobe == Lobe::Diffuse { bsdf.diffuse_throughput() } else { Vec3::ONE };
-        let sum: Vec3 = grid(N)
+        // In f64: hundreds of thousandths added up in f32 are off by as much as a hundred-thousandth.
+        let sum = grid(N)
             .filter_map(|u| bsdf.sample(lobe, u))
             .inspect(|s| assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{s:?}"))
-            .map(|s| s.weight * (s.eta * s.eta))
-            .sum();
-        scale * sum / (N * N) as f32
+            .map(|s| (s.weight * (s.eta * s.eta)).to_array())
+            .fold([0.0_f64; 3], |sum, light| [0, 1, 2].map(|c| sum[c] + f64::from(light[c])));
+        scale * Vec3::from_array(sum.map(|sum| (sum / (N * N) as f64) as f32))
     })
 }
 
@@ -33,8 +34,8 @@ fn energy(inputs: &BsdfInputs, cosine: f32, entering: bool) -> f32 {
     (a + b + c + d).max_element()
 }
 
-/// Midpoints leave this much of an integral.
-const QUADRATURE: f32 = 2e-3;
+/// Midpoints leave this much of an integral, with f32's rounding.
+const QUADRATURE: f32 = 1e-5;
 
 #[test]
 fn no_surface_creates_light() {
@@ -101,12 +102,16 @@ fn smooth_surfaces_lose_none() {
     }
 }
 
-/// The chances of lobes follow their energies: to a hundredth or two where surfaces are smooth, a third at worst, inside
-/// of the roughest glass.
+/// By how much chances and expected albedos of lobes are off their energies at most, as measured: where all is smooth,
+/// where something is rough, and inside of rough glass.
+const EXPECTATIONS: [[f32; 2]; 3] = [[0.045, 0.008], [0.185, 0.19], [0.35, 0.48]];
+
+/// The chances of lobes follow their energies.
 #[test]
 fn expected_albedos_are_near() {
     let mut mixed = coated(glossy(0.4), 0.2);
     (mixed.metallic, mixed.transmission) = (0.2, 0.4);
+    let mut worst = [[0.0_f32; 2]; 3];
     for roughness in ROUGHNESS {
         for cosine in [1.0, 0.8, 0.5, 0.2, 0.05] {
             for (inputs, entering) in [
@@ -126,13 +131,22 @@ fn expected_albedos_are_near() {
                     let chance = bsdf.lobes()[lobe as usize];
                     let what = format!("{lobe:?} of {inputs:?} at {cosine}: {chance} for {share}");
                     assert!((share == 0.0) == (chance == 0.0) || share < 1e-4, "{what}");
-                    assert!(share <= 4.0 * chance + 1e-3 && (chance - share).abs() < 0.4, "{what}");
+                    assert!(share <= 4.0 * chance + 1e-3, "{what}");
                 }
                 let specular = energies[1] + energies[2] + energies[3];
                 let told = bsdf.specular_throughput();
-                assert!((specular - told).abs().max_element() < 0.5, "{inputs:?} at {cosine}: {specular} {told}");
+                let class = if entering { usize::from(roughness > 0.0 || inputs.clearcoat_roughness > 0.0) } else { 2 };
+                for lobe in Lobe::ALL {
+                    let share = energies[lobe as usize].element_sum() / all.element_sum();
+                    worst[class][0] = worst[class][0].max((bsdf.lobes()[lobe as usize] - share).abs());
+                }
+                worst[class][1] = worst[class][1].max((specular - told).abs().max_element());
             }
         }
+    }
+    println!("smooth, rough, inside: chances and albedos are off by {worst:?}");
+    for (worst, bound) in worst.as_flattened().iter().zip(EXPECTATIONS.as_flattened()) {
+        assert!(worst <= bound && *worst > 0.8 * bound, "{worst}, not {bound}");
     }
 }
 

@@ -5,6 +5,7 @@ mod common;
 
 use common::mixed::{Mean, glass, mean_of_paths, metal, pane, paths};
 use common::scenes::{add_triangles, quad};
+use hashcache_core::pack::octahedral_encode;
 use pt_integrator::bsdf::{fresnel_dielectric, schlick_weight};
 use pt_integrator::glam::Vec3;
 use pt_integrator::path::PathSettings;
@@ -103,6 +104,30 @@ fn looking_out_of_a_solid() {
         // What goes down has no end inside of the solid that would say so, but it started there.
         let expected = [passed, passed * (-0.5 * way).exp(), fresnel * 4.0];
         mean_of_paths(&scene, &ray, &SETTINGS, 20_000).assert_is(&Mean::exactly(expected), &format!("{sine}"));
+    }
+}
+
+/// A shading normal that leans so far that mirrored rays go through the face shows what is inside, as dense as light
+/// from there is: all that comes from below is divided by the squared index.
+#[test]
+fn reflections_through_the_face_are_of_the_other_side() {
+    let ior = 1.5_f32;
+    for roughness in [0.0, 0.2] {
+        let mut scene = SceneData::default();
+        sheet(&mut scene, 0.0, true, glass(ior, roughness, [0.0; 3]));
+        let leaning = octahedral_encode(Vec3::new(0.204_f32.sin(), 0.204_f32.cos(), 0.0));
+        for shading in &mut scene.triangle_shading {
+            shading.normals = [leaning; 3];
+        }
+        sheet(&mut scene, -0.1, true, Material::emissive([0.0; 3], [1.0; 3]));
+        let ray = ray_towards(Vec3::Y, Vec3::new(0.91_f32.sqrt(), -0.3, 0.0));
+        let found = mean_of_paths(&scene, &ray, &SETTINGS, 20_000);
+        let most = f64::from(1.0 / (ior * ior));
+        if roughness == 0.0 {
+            found.assert_is(&Mean::exactly([most; 3]), "mirrored and bent");
+        } else {
+            assert!((0.5 * most..most).contains(&found.mean[0]), "{}", found.mean[0]);
+        }
     }
 }
 

@@ -12,10 +12,11 @@ use std::sync::atomic::{AtomicU32, AtomicU64};
 use backend_api::{HitRecord, Kernel, Launch, RayRecord, Slot, Status, TraceRays};
 use bytemuck::{Zeroable, bytes_of, cast_slice, cast_slice_mut};
 use common::caster::BruteForce;
+use common::mixed::room;
 use common::scenes::{add_triangles, inward_box, quad};
 use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::from_record;
-use hashcache_core::traits::RayCaster;
+use hashcache_core::traits::{RayCaster, Sampler};
 use pt_integrator::camera::CameraRays;
 use pt_integrator::film::FilmPixel;
 use pt_integrator::glam::Vec3;
@@ -24,7 +25,8 @@ use pt_integrator::kernels::{
     trace_records, trace_visible,
 };
 use pt_integrator::packed::PackedScene;
-use pt_integrator::path::{PathSettings, RayCounts};
+use pt_integrator::path::{self, MAX_LAYERS, PathOutcome, PathSettings, RayCounts, Strategy, VisibleSettings};
+use pt_integrator::sampler::{Sobol, pixel_seed, vertex_seed};
 use pt_integrator::scene::{Camera, Material, SceneData};
 
 struct Rays(BruteForce);
@@ -102,11 +104,20 @@ fn trace<T: bytemuck::Pod>(
     out: &mut [T],
     cut: usize,
 ) -> (RayCounts, Status) {
-    let scene = scene(emission);
-    let packed = PackedScene::new(&scene).unwrap();
+    trace_in(&scene(emission), kernel, params, out, cut)
+}
+
+fn trace_in<T: bytemuck::Pod>(
+    scene: &SceneData,
+    kernel: &Kernel,
+    params: &impl bytemuck::Pod,
+    out: &mut [T],
+    cut: usize,
+) -> (RayCounts, Status) {
+    let packed = PackedScene::new(scene).unwrap();
     let counters: [AtomicU64; RayCounts::WORDS] = Default::default();
     let inputs = [packed.triangle_bytes(), packed.scene_bytes(), packed.texel_bytes()];
-    let rays = Rays(BruteForce::new(&scene));
+    let rays = Rays(BruteForce::new(scene));
     let status = run(kernel, bytes_of(params), &inputs, cast_slice_mut(out), Some(&counters), Some(&rays), cut);
     (RayCounts::from_words(counters.map(AtomicU64::into_inner)), status)
 }
@@ -207,11 +218,9 @@ fn further_vertices_stand_behind_the_first() {
     }
 }
 
-/// Vertices that only ask stand where a path of the same index has its first vertex, in whatever cut.
-#[test]
-fn visible_vertices_are_those_of_paths() {
+fn asked(sample: u32, direct_samples: u32) -> VisibleParams {
     let TraceParams { camera, width, first_pixel, seed, .. } = params(1, 0);
-    let asked = |sample, direct_samples| VisibleParams {
+    VisibleParams {
         camera,
         width,
         first_pixel,
@@ -221,7 +230,65 @@ fn visible_vertices_are_those_of_paths() {
         direct_candidates: 1,
         direct_scattered: u32::from(direct_samples > 0),
         max_bounces: 8,
-    };
+    }
+}
+
+/// Every number of layers is written as the function finds them, with these numbers, in whatever cut.
+#[test]
+fn layers_are_the_functions() {
+    const SALTS: [u32; 3] = [0x6c69_6768, 0x7363_6174, 0x6368_6169];
+    let scene = room(None);
+    let packed = PackedScene::new(&scene).unwrap();
+    let (view, caster) = (packed.view(), BruteForce::new(&scene));
+    let asked = VisibleParams { direct_candidates: 2, first_pixel: 20, ..asked(3, 2) };
+    let of_layer = |seed, layer| if layer == 0 { seed } else { vertex_seed(seed, layer) };
+    let mut filled = [0; MAX_LAYERS];
+    for count in 1..=MAX_LAYERS {
+        let mut records = vec![VertexRecord::zeroed(); count * 60];
+        let kernel = trace_visible(count as u32).unwrap();
+        assert!(kernel.is_well_formed());
+        let (counts, status) = trace_in(&scene, kernel, &asked, &mut records, 60);
+        assert_eq!(status, Status::OK);
+        let mut cut = records.clone();
+        assert_eq!(trace_in(&scene, kernel, &asked, &mut cut, 7), (counts, status));
+        assert_eq!(records, cut);
+        let mut expected_counts = RayCounts::default();
+        for (item, records) in (0..).zip(records.chunks_exact(count)) {
+            let pixel = asked.first_pixel + item;
+            let seed = pixel_seed(pixel, asked.seed);
+            let u = Sobol::new(asked.sample, seed).next_2d();
+            let ray = asked.camera.ray([pixel % SIZE[0], pixel / SIZE[0]], u);
+            let first = [asked.sample * 4, asked.sample, asked.sample];
+            let settings = VisibleSettings { direct: asked.direct().for_scene(&view), ..asked.settings() };
+            let numbers = |strategy: Strategy, layer, i: u32| {
+                let seed = of_layer(vertex_seed(seed, SALTS[strategy as usize]), layer);
+                Sobol::new(first[strategy as usize] + i, seed)
+            };
+            let mut layers = [PathOutcome::NONE; MAX_LAYERS];
+            let found = &mut layers[..count];
+            path::trace_visible(&view, &caster, &ray, &settings, found, numbers, &mut expected_counts);
+            let seed = vertex_seed(seed, asked.sample);
+            for (k, (record, outcome)) in (0..).zip(records.iter().zip(found)) {
+                let mut expected = outcome.record(asked.camera.pixel_angle(), of_layer(seed, k));
+                if outcome.has_vertex {
+                    expected.flags |= VertexRecord::VISIBLE_ONLY;
+                }
+                if k > 0 && *outcome == PathOutcome::NONE {
+                    expected = VertexRecord::zeroed();
+                } else {
+                    filled[k as usize] += 1;
+                }
+                assert_eq!(*record, expected, "{count} layers, pixel {pixel}, layer {k}");
+            }
+        }
+        assert_eq!(counts, expected_counts);
+    }
+    assert!(filled.iter().all(|filled| *filled > 0), "every layer is used: {filled:?}");
+}
+
+/// Vertices that only ask stand where a path of the same index has its first vertex, in whatever cut.
+#[test]
+fn visible_vertices_are_those_of_paths() {
     let mut sums = [Vec3::ZERO; 2];
     for sample in 0..32 {
         let mut path = vec![VertexRecord::zeroed(); PIXELS as usize];

@@ -61,7 +61,7 @@ fn lossless_surfaces_vanish() {
         [("mirror", metal([1.0; 3], 0.0)), ("glass", glass(1.5, 0.0, [0.0; 3])), ("pane", pane([1.0; 3], 0.0))]
     {
         for image in [false, true] {
-            // Flat: where smooth normals lean over their facets, light enters that never leaves.
+            // Flat: a mirror whose smooth normals lean over its facets sends light into itself.
             let scene = ball(material, image, false);
             for from in looks() {
                 let all = paths(&scene, &ray_towards(from, Vec3::NEG_Z), &SETTINGS, 256);
@@ -71,6 +71,52 @@ fn lossless_surfaces_vanish() {
                 let dim = all.iter().filter(|o| (o.radiance() - 1.0).abs().max_element() > 1e-3).count();
                 assert_eq!(dim, 0, "{what} from {from}");
             }
+        }
+    }
+}
+
+/// On the rims of a smooth-shaded solid normals point away from the viewer, reflected rays go in, and bent ones stay out.
+/// Light is that of the side from which it comes all the same: clear glass is not seen on any path that leaves it,
+/// other solids gain nothing, and next event finds what scattering finds.
+#[test]
+fn smooth_rims_gain_nothing() {
+    let settings = PathSettings { max_bounces: 1000, ..SETTINGS };
+    let half = Material { surface: [0.0, 0.0, 0.5, 1.0], ..glass(1.5, 0.0, [0.0; 3]) };
+    // A third of a facet off the mesh's own directions, so that the rim is no edge.
+    let (sine, cosine) = 0.09_f32.sin_cos();
+    let past = |x: f32, y: f32| {
+        let direction = Vec3::new(sine, 0.0, -cosine);
+        ray_towards(Vec3::new(cosine, 0.0, sine) * x + Vec3::Y * y - direction * 3.0, direction)
+    };
+    for (what, material, clear) in [
+        ("glass", glass(1.5, 0.0, [0.0; 3]), true),
+        ("dense glass", glass(2.4, 0.0, [0.0; 3]), true),
+        ("half glass", half, false),
+        ("coated half glass", coated(half, 1.0, 0.3), false),
+        ("rough glass", glass(1.5, 0.5, [0.0; 3]), false),
+    ] {
+        let [constant, image] = [false, true].map(|image| ball(material, image, true));
+        if clear {
+            let mut trapped = 0;
+            for x in (0..128).map(|i| 0.872 + 0.001 * i as f32) {
+                let ray = past(x, 0.3 * x);
+                for outcome in paths(&constant, &ray, &settings, 16).iter().chain(&paths(&image, &ray, &settings, 16)) {
+                    let radiance = outcome.radiance();
+                    trapped += usize::from(radiance == Vec3::ZERO);
+                    let vanishes = (radiance - 1.0).abs().max_element() < 1e-3;
+                    assert!(vanishes || radiance == Vec3::ZERO, "{what} at {x}: {outcome:?}");
+                }
+            }
+            // Mirrored into the solid, and there round and round.
+            assert!(100 * trapped < 128 * 32, "{what}: {trapped} paths stay inside");
+            continue;
+        }
+        for x in [0.03_f32, 0.8, 0.93, 0.97, 0.98, 0.99, 0.995] {
+            let ray = past(x, 0.02);
+            let scattered = mean_of_paths(&constant, &ray, &settings, 2000);
+            let most = 1.0 + 4.5 * scattered.error[0] + 1e-4;
+            assert!(scattered.mean[0] <= most && scattered.error[0] < 0.05, "{what} at {x}: {}", scattered.mean[0]);
+            mean_of_paths(&image, &ray, &settings, 2000).assert_is(&scattered, &format!("{what} at {x}"));
         }
     }
 }

@@ -4,13 +4,18 @@
 mod common;
 
 use common::caster::BruteForce;
-use common::scenes::add_triangles;
+use common::mixed::{coated, metal, pane, plastic};
+use common::scenes::{add_triangles, quad};
 use hashcache_core::geometry::Instance;
 use hashcache_core::traits::RayCaster;
 use proptest::prelude::*;
 use pt_integrator::glam::{Mat3, Quat, Vec3};
 use pt_integrator::packed::PackedScene;
+use pt_integrator::path::{
+    DirectSettings, PathOutcome, PathSettings, RayCounts, VisibleSettings, trace_path, trace_visible,
+};
 use pt_integrator::ray::ray_towards;
+use pt_integrator::sampler::Independent;
 use pt_integrator::scene::{Material, Needs, SceneData, Texture, Wrap};
 use pt_integrator::surface::Surface;
 
@@ -123,10 +128,64 @@ fn coats_have_their_own_normal() {
         let ray = ray_towards(Vec3::new(0.2, 0.3, 5.0), Vec3::NEG_Z);
         let hit = BruteForce::new(&scene).closest(&ray).unwrap();
         let surface = Surface::at::<{ Needs::ALL }>(&packed.view(), &hit, ray.direction);
-        let coat = surface.bsdf_inputs::<{ Needs::ALL }>(&packed.view()).coat_normal;
+        let coat = surface.bsdf_inputs(&packed.view()).coat_normal;
         let expected = if coat_map { local([128, 40, 230], 1.0) } else { Vec3::Z };
         assert!(coat.distance(expected) < 1e-5, "{coat}");
         assert!(surface.normal.distance(local([220, 128, 230], 1.0)) < 1e-5);
+    }
+}
+
+/// A single sheet hides what is behind it, however far its relief leans over, whatever its lobes.
+#[test]
+fn leaning_normals_let_no_light_through() {
+    // About 80° from the surface's normal.
+    let leaning = word([253, 128, 150]);
+    let opaque = [
+        Material::lambert([0.8; 3]),
+        plastic([0.8; 3], 0.3),
+        metal([0.9; 3], 0.5),
+        coated(plastic([0.8; 3], 0.0), 1.0, 0.4),
+    ];
+    // Nothing but what comes from below.
+    let sheet = Material { specular: [0.0; 4], ..pane([0.9; 3], 0.6) };
+    for (what, material) in opaque.into_iter().chain([sheet]).enumerate() {
+        for place in [Material::NORMAL, Material::CLEARCOAT_NORMAL] {
+            let passes = what == 4;
+            for height in [-1.0, 1.0] {
+                let mut scene = SceneData::default();
+                let floor = quad(Vec3::new(-50.0, -50.0, 0.0), 100.0 * Vec3::X, 100.0 * Vec3::Y);
+                add_triangles(&mut scene, &floor, material.textured(place, 0));
+                for (shading, corners) in scene.triangle_shading.iter_mut().zip(floor) {
+                    shading.uv = corners.map(uv);
+                }
+                scene.textures = vec![Texture { flags: Texture::LINEAR, ..Texture::new(0, [1, 1], [Wrap::Repeat; 2]) }];
+                scene.texels = vec![leaning];
+                let (corner, a, b) = (Vec3::new(-20.0, -20.0, height), 40.0 * Vec3::X, 40.0 * Vec3::Y);
+                let lamp = if height < 0.0 { quad(corner, a, b) } else { quad(corner, b, a) };
+                add_triangles(&mut scene, &lamp, Material::emissive([0.0; 3], [1.0; 3]));
+                let packed = PackedScene::new(&scene).unwrap();
+                let (view, caster) = (packed.view(), BruteForce::new(&scene));
+                let ray = ray_towards(Vec3::new(0.3, 0.2, 0.5), Vec3::new(-0.1, 0.05, -1.0).normalize());
+                let settings = PathSettings { max_bounces: 1, ..PathSettings::default() };
+                let direct = DirectSettings { samples: 2, candidates: 2, scattered: 2 }.for_scene(&view);
+                let visible = VisibleSettings { direct, max_bounces: 1 };
+                let mut counts = RayCounts::default();
+                let mut sums = [Vec3::ZERO; 2];
+                for i in 0..512 {
+                    sums[0] += trace_path(&view, &caster, &mut Independent::new(i, 1), &ray, &settings, &mut counts)
+                        .radiance();
+                    let mut layers = [PathOutcome::NONE; 2];
+                    let numbers = |strategy, _, j| Independent::new(8 * i + j, 2 + strategy as u32);
+                    trace_visible(&view, &caster, &ray, &visible, &mut layers, numbers, &mut counts);
+                    sums[1] += layers.iter().map(PathOutcome::radiance).sum::<Vec3>();
+                }
+                let lit = passes == (height < 0.0);
+                for sum in sums {
+                    let what = format!("material {what}, map {place}, lamp at {height}: {sum}");
+                    assert!(if lit { sum.min_element() > 1.0 } else { sum == Vec3::ZERO }, "{what}");
+                }
+            }
+        }
     }
 }
 

@@ -101,7 +101,7 @@ fn inputs(
     let packed = PackedScene::new(&scene).unwrap();
     let ray = ray_towards(Vec3::new(0.25, 1.0, 0.75), Vec3::NEG_Y);
     let hit = BruteForce::new(&scene).closest(&ray).unwrap();
-    Surface::at::<{ Needs::ALL }>(&packed.view(), &hit, ray.direction).bsdf_inputs::<{ Needs::ALL }>(&packed.view())
+    Surface::at::<{ Needs::ALL }>(&packed.view(), &hit, ray.direction).bsdf_inputs(&packed.view())
 }
 
 #[test]

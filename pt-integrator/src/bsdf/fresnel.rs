@@ -127,7 +127,7 @@ impl Fresnel {
         Self {
             // Also where what enters is lost to metal, as F is then asked for in vain.
             is_exact: ior > 0.0 && dielectric + total > 0.0,
-            eta: if inside && ior > 0.0 { 1.0 / ior } else { ior },
+            eta: relative_index(ior, inside),
             normal,
             constant: k * dielectric + base_color * metallic,
             exact: (Vec3::ONE - k) * dielectric,
@@ -198,6 +198,23 @@ impl Fresnel {
     pub fn passed(&self, angle: Angle) -> f32 {
         (1.0 - angle.total) * self.entered(angle)
     }
+}
+
+/// Refractive indices are kept where f32 has digits for what they do.
+const SMALLEST_IOR: f32 = 0.01;
+const LARGEST_IOR: f32 = 100.0;
+
+/// A refractive index in its range; 0 for the infinite one.
+#[inline]
+pub(crate) fn kept_index(ior: f32) -> f32 {
+    if ior > 0.0 { ior.clamp(SMALLEST_IOR, LARGEST_IOR) } else { 0.0 }
+}
+
+/// Refractive index behind a solid's face over that before it, for one that was kept; 0 for the infinite one, which bends
+/// nothing.
+#[inline]
+pub(crate) fn relative_index(kept: f32, inside: bool) -> f32 {
+    if inside && kept > 0.0 { 1.0 / kept } else { kept }
 }
 
 /// Expected reflectance of microfacets of roughness α, between that of their mean plane and that at normal incidence.

@@ -27,8 +27,6 @@ pub struct LobePick {
     pub lobe: Lobe,
     /// How likely it was, in `(0, 1]`; estimates of the lobe are divided by it. Exactly 1 when there was no choice.
     pub probability: f32,
-    /// What is left of the number that chose, uniform in `[0, 1)` again; the number itself when there was no choice.
-    pub u: f32,
 }
 
 /// A direction from which light may come, drawn from one lobe.

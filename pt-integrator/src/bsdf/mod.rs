@@ -52,6 +52,7 @@ mod resolve;
 mod sample;
 
 pub use fresnel::{fresnel_dielectric, schlick_weight};
+pub(crate) use fresnel::{kept_index, relative_index};
 pub use inputs::BsdfInputs;
 pub use lobe::{BsdfSample, Lobe, LobePick};
 pub use resolve::{Bsdf, SMALLEST_ALPHA};

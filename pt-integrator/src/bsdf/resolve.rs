@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Lobe;
-use super::fresnel::{Fresnel, Interface, fresnel_dielectric, kept_by_facets, roughened};
+use super::fresnel::{Fresnel, Interface, fresnel_dielectric, kept_by_facets, kept_index, roughened};
 use super::inputs::{BsdfInputs, unit_color, unit_interval};
 use super::microfacet::Ggx;
 use crate::sampling::Basis;
@@ -33,10 +33,6 @@ pub(super) enum Passage {
     RefractedRough,
 }
 
-/// Refractive indices are kept where f32 has digits for what they do.
-const SMALLEST_IOR: f32 = 0.01;
-const LARGEST_IOR: f32 = 100.0;
-
 /// Least share expected of rough reflection: facets may reflect light where the surface as a whole would not. 0 would
 /// leave such light out.
 const SMALLEST_REFLECTION: f32 = 1.0 / 4096.0;
@@ -44,10 +40,20 @@ const SMALLEST_REFLECTION: f32 = 1.0 / 4096.0;
 /// Least share expected of rough transmission, and α / 2 more through a solid, for the same reason.
 const SMALLEST_PASSAGE: f32 = 1.0 / 64.0;
 
+/// Bound on how much more the facets of a coat of roughness α reflect than their mean plane would: Fresnel's mean is
+/// above that of the mean angle, by 1.13 % where α = 0.09, and by less before masking outweighs it. Without it a coat over
+/// clear glass would return up to 0.05 % more light than it gets.
+#[inline]
+fn dimming(alpha: f32) -> f32 {
+    if alpha < SMALLEST_ALPHA { 1.0 } else { 1.0 + (0.2 * alpha).min(0.0125) }
+}
+
 /// The clear coat. It lies outside of a solid, and on both sides of anything else.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coat {
     pub strength: f32,
+    /// [`strength`](Self::strength) as what lies under the coat sees it; see [`dimming`].
+    pub dims: f32,
     pub normal: Vec3,
     /// Below [`SMALLEST_ALPHA`]: smooth.
     pub alpha: f32,
@@ -58,7 +64,8 @@ pub(super) struct Coat {
 }
 
 impl Coat {
-    const NONE: Self = Self { strength: 0.0, normal: Vec3::ZERO, alpha: 0.0, is_behind: false, is_beyond: false };
+    const NONE: Self =
+        Self { strength: 0.0, dims: 0.0, normal: Vec3::ZERO, alpha: 0.0, is_behind: false, is_beyond: false };
 
     /// Share of light that the coat reflects, for the cosine between its normal and light or view.
     #[inline]
@@ -66,20 +73,22 @@ impl Coat {
         self.strength * fresnel_dielectric(unit_interval(cosine), COAT_IOR)
     }
 
+    /// Share of light that the coat as a whole lets through, on either way.
+    #[inline]
+    fn let_through(&self, cosine: f32) -> f32 {
+        unit_interval(1.0 - self.dims * fresnel_dielectric(unit_interval(cosine), COAT_IOR))
+    }
+
     /// Share of light from a direction on the viewer's side that gets through the coat.
     #[inline]
     pub fn passed(&self, direction: Vec3) -> f32 {
-        if self.strength == 0.0 || self.is_behind { 1.0 } else { 1.0 - self.reflected(self.normal.dot(direction)) }
+        if self.strength == 0.0 || self.is_behind { 1.0 } else { self.let_through(self.normal.dot(direction)) }
     }
 
     /// [`passed`](Self::passed) for a direction on the other side.
     #[inline]
     pub fn passed_beyond(&self, direction: Vec3) -> f32 {
-        if self.strength == 0.0 || !self.is_beyond {
-            1.0
-        } else {
-            1.0 - self.reflected(self.normal.dot(direction).abs())
-        }
+        if self.strength == 0.0 || !self.is_beyond { 1.0 } else { self.let_through(self.normal.dot(direction).abs()) }
     }
 }
 
@@ -127,16 +136,18 @@ impl Bsdf {
         bsdf.fresnel = Fresnel::new(&Interface {
             base_color,
             metallic,
-            ior: if inputs.ior > 0.0 { inputs.ior.clamp(SMALLEST_IOR, LARGEST_IOR) } else { 0.0 },
+            ior: kept_index(inputs.ior),
             specular,
             specular_color: inputs.specular_color.max(Vec3::ZERO).min(Vec3::splat(f32::MAX)),
             refracted: if is_solid { transmission } else { 0.0 },
             inside,
         });
+        let coat_alpha = unit_interval(inputs.clearcoat_roughness * inputs.clearcoat_roughness);
         bsdf.coat = Coat {
             strength: clearcoat,
+            dims: clearcoat * dimming(coat_alpha),
             normal: inputs.coat_normal,
-            alpha: unit_interval(inputs.clearcoat_roughness * inputs.clearcoat_roughness),
+            alpha: coat_alpha,
             is_behind: inside,
             is_beyond: inside || !is_solid,
         };
@@ -226,7 +237,7 @@ impl Bsdf {
             };
             self.albedos[Lobe::Coat as usize] = Vec3::splat(mean);
         }
-        1.0 - reflected
+        self.coat.let_through(cosine)
     }
 
     #[inline]

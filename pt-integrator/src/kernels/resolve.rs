@@ -2,7 +2,7 @@
 
 use backend_api::{Access, BindingDecl, Kernel, Launch};
 
-use crate::film::FilmPixel;
+use crate::film::{FilmPixel, MomentPixel};
 
 /// The film's mean radiance; w: number of samples.
 ///
@@ -11,18 +11,35 @@ pub static RESOLVE: Kernel = Kernel {
     name: "pt.resolve",
     bindings: &[
         BindingDecl { name: "pt_film", access: Access::In, stride: size_of::<FilmPixel>() as u32 },
-        BindingDecl { name: "pt_radiance", access: Access::OutPerItem, stride: 16 },
+        RADIANCE,
     ],
     params_size: 0,
-    body: resolve,
+    body: |launch| resolve::<FilmPixel>(launch, |pixel| pixel.mean().to_array()),
     wgsl: None,
     casts_rays: false,
 };
 
-fn resolve(launch: &mut Launch<'_>) {
+/// [`RESOLVE`] of a film of [`MomentPixel`]; w: variance of the mean's luminance ([`MomentPixel::variance`]).
+pub static RESOLVE_MOMENTS: Kernel = Kernel {
+    name: "pt.resolve_moments",
+    bindings: &[
+        BindingDecl { name: "pt_film", access: Access::In, stride: size_of::<MomentPixel>() as u32 },
+        RADIANCE,
+    ],
+    params_size: 0,
+    body: |launch| resolve::<MomentPixel>(launch, |pixel| pixel.film.mean().with_w(pixel.variance()).to_array()),
+    wgsl: None,
+    casts_rays: false,
+};
+
+const RADIANCE: BindingDecl = BindingDecl { name: "pt_radiance", access: Access::OutPerItem, stride: 16 };
+
+const _: () = assert!(RESOLVE.is_well_formed() && RESOLVE_MOMENTS.is_well_formed());
+
+fn resolve<P: bytemuck::Pod>(launch: &mut Launch<'_>, texel: impl Fn(&P) -> [f32; 4]) {
     let radiance = launch.output::<[f32; 4]>(1);
-    let film = &launch.input::<FilmPixel>(0)[launch.first as usize..][..launch.count as usize];
+    let film = &launch.input::<P>(0)[launch.first as usize..][..launch.count as usize];
     for (out, pixel) in radiance.iter_mut().zip(film) {
-        *out = pixel.mean().to_array();
+        *out = texel(pixel);
     }
 }

@@ -1,13 +1,17 @@
 //! Kernels that trace paths.
 
+use core::marker::PhantomData;
+
 use backend_api::{Access, BindingDecl, Kernel, Launch};
+use bytemuck::Pod;
+use glam::Vec3;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Sampler;
 
 use super::TraceParams;
 use super::shared::{COUNTERS, SCENE, TEXELS, TRIANGLES, Tracing, tracing_bindings};
-use crate::film::FilmPixel;
-use crate::path::{MAX_STORED, PathOutcome, trace_path, trace_path_vertices};
+use crate::film::{FilmPixel, MomentPixel, PairedPixel};
+use crate::path::{MAX_STORED, PathOutcome, PathSettings, trace_path, trace_path_vertices};
 use crate::sampler::{Sobol, pixel_seed, vertex_seed};
 
 /// Traces `samples` paths through each pixel and adds their radiance to the film.
@@ -15,20 +19,62 @@ use crate::sampler::{Sobol, pixel_seed, vertex_seed};
 /// Bindings: triangles, scene, texels, film ([`FilmPixel`] for each item), counters. Parameters: [`TraceParams`].
 /// Paths whose radiance is NaN or infinite count as black samples, raise
 /// [`Status::NON_FINITE`](backend_api::Status::NON_FINITE) and are counted.
-pub static TRACE_FILM: Kernel = Kernel {
-    name: "pt.trace_film",
-    bindings: &[
+pub static TRACE_FILM: Kernel = film_kernel::<FilmPixel>("pt.trace_film", trace_film::<FilmPixel>);
+
+/// [`TRACE_FILM`] into a film of [`MomentPixel`]: the same radiance, and how it scatters.
+pub static TRACE_MOMENTS: Kernel = film_kernel::<MomentPixel>("pt.trace_moments", trace_film::<MomentPixel>);
+
+/// Traces `samples` paths for each half of the pixels that a film of [`PairedPixel`] names; the halves' numbers are
+/// independent of each other.
+///
+/// Bindings and parameters as those of [`TRACE_FILM`]; [`TraceParams::first_pixel`] is not read. Item i is element i of
+/// the film, whichever pixel that is.
+pub static TRACE_PAIRS: Kernel = film_kernel::<PairedPixel>("pt.trace_pairs", trace_pairs);
+
+const _: () = assert!(TRACE_FILM.is_well_formed() && TRACE_MOMENTS.is_well_formed() && TRACE_PAIRS.is_well_formed());
+
+/// Bindings of kernels that trace into a film of such pixels.
+struct FilmOf<P>(PhantomData<P>);
+
+impl<P> FilmOf<P> {
+    const BINDINGS: [BindingDecl; 5] = [
         TRIANGLES,
         SCENE,
         TEXELS,
-        BindingDecl { name: "pt_film", access: Access::OutPerItem, stride: size_of::<FilmPixel>() as u32 },
+        BindingDecl { name: "pt_film", access: Access::OutPerItem, stride: size_of::<P>() as u32 },
         COUNTERS,
-    ],
-    params_size: size_of::<TraceParams>() as u32,
-    body: trace_film,
-    wgsl: None,
-    casts_rays: true,
-};
+    ];
+}
+
+const fn film_kernel<P: 'static>(name: &'static str, body: fn(&mut Launch<'_>)) -> Kernel {
+    Kernel {
+        name,
+        bindings: &FilmOf::<P>::BINDINGS,
+        params_size: size_of::<TraceParams>() as u32,
+        body,
+        wgsl: None,
+        casts_rays: true,
+    }
+}
+
+/// A pixel that samples are added to.
+trait Film: Pod {
+    fn add(&mut self, radiance: Vec3);
+}
+
+impl Film for FilmPixel {
+    #[inline(always)]
+    fn add(&mut self, radiance: Vec3) {
+        self.add(radiance);
+    }
+}
+
+impl Film for MomentPixel {
+    #[inline(always)]
+    fn add(&mut self, radiance: Vec3) {
+        self.add(radiance);
+    }
+}
 
 /// Traces one path through each pixel and writes its first vertex: [`trace_records`] of one vertex.
 pub static TRACE_RECORDS: Kernel = Records::<1>::kernel("pt.trace_records");
@@ -110,20 +156,47 @@ impl<const STORE: usize> Records<STORE> {
     }
 }
 
-fn trace_film(launch: &mut Launch<'_>) {
-    let pixels = launch.output::<FilmPixel>(3);
+fn trace_film<P: Film>(launch: &mut Launch<'_>) {
+    let pixels = launch.output::<P>(3);
     let params = launch.params::<TraceParams>();
     let Some(mut tracing) = Tracing::new(launch) else { return };
     let settings = params.settings();
     for (item, film) in launch.items().zip(pixels) {
-        let index = params.first_pixel + item;
-        let seed = pixel_seed(index, params.seed);
-        for sample in 0..params.samples {
-            let mut sampler = Sobol::new(params.first_sample.wrapping_add(sample), seed);
-            let ray = params.camera.ray(params.pixel(index), sampler.next_2d());
-            let Tracing { scene, caster, counts } = &mut tracing;
-            film.add(trace_path(scene, caster, &mut sampler, &ray, &settings, counts).radiance());
+        tracing.trace_pixel(params, &settings, params.first_pixel + item, params.seed, film);
+    }
+    tracing.finish(launch);
+}
+
+fn trace_pairs(launch: &mut Launch<'_>) {
+    let pixels = launch.output::<PairedPixel>(3);
+    let params = launch.params::<TraceParams>();
+    let Some(mut tracing) = Tracing::new(launch) else { return };
+    let settings = params.settings();
+    for pair in pixels {
+        for (k, half) in (0..).zip(&mut pair.halves) {
+            tracing.trace_pixel(params, &settings, pair.pixel, params.seed.wrapping_add(k), half);
         }
     }
     tracing.finish(launch);
+}
+
+impl Tracing<'_> {
+    /// All samples of one pixel.
+    #[inline(always)]
+    fn trace_pixel<P: Film>(
+        &mut self,
+        params: &TraceParams,
+        settings: &PathSettings,
+        index: u32,
+        seed: u32,
+        film: &mut P,
+    ) {
+        let seed = pixel_seed(index, seed);
+        for sample in 0..params.samples {
+            let mut sampler = Sobol::new(params.first_sample.wrapping_add(sample), seed);
+            let ray = params.camera.ray(params.pixel(index), sampler.next_2d());
+            let Self { scene, caster, counts } = self;
+            film.add(trace_path(scene, caster, &mut sampler, &ray, settings, counts).radiance());
+        }
+    }
 }

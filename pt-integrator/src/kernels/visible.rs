@@ -1,4 +1,4 @@
-//! The kernel that asks for more of a pixel's first vertices.
+//! The kernels that find what a pixel shows, in layers.
 
 use backend_api::{BindingDecl, Kernel, Launch};
 use bytemuck::{Pod, Zeroable};
@@ -66,14 +66,15 @@ static TRACE_DEEPER: [Kernel; MAX_LAYERS - 1] = [
     Layers::<8>::kernel("pt.trace_visible_8"),
 ];
 
-/// The kernel that traces one camera ray through each pixel and writes the vertices of its chain through mirrors and
-/// glass, one in each of 1 to [`MAX_LAYERS`] layers, with direct light when asked for, to be answered by a cache;
-/// `None` for other numbers. See [`crate::path::trace_visible`].
+/// The kernel that traces one camera ray through each pixel and writes the vertices that it shows in 1 to [`MAX_LAYERS`]
+/// layers, with direct light when asked for, to be answered by a cache; `None` for other numbers. All but the last are
+/// those of the chain that follows the strongest lobe through mirrors and glass; the last is that of one of the lobes
+/// that the chain passed by. See [`crate::path::trace_visible`].
 ///
 /// Bindings: triangles, scene, texels, records (`layers` times [`VertexRecord`] for each item, the first layer first),
 /// counters. Parameters: [`VisibleParams`]. `further` is 0, and valid records have [`VertexRecord::VISIBLE_ONLY`] set.
 /// Surfaces without a diffuse lobe are [`VertexRecord::GUIDE`]s; where a segment met nothing, only `emitted` is set;
-/// records behind the chain's end are zero. Light that is NaN or infinite is left out, raises
+/// records of layers without either are zero. Light that is NaN or infinite is left out, raises
 /// [`Status::NON_FINITE`](backend_api::Status::NON_FINITE) and is counted.
 ///
 /// ```

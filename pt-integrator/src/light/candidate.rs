@@ -106,12 +106,8 @@ pub(super) fn mean_emissions(scene: &SceneData, triangles: &[SceneTriangle], mat
         let [r, g, b, _] = materials[material].emission;
         let emission = TextureEmission { texture, texels: &scene.texels, radiance: Vec3::new(r, g, b), sums: &sums };
         for &index in &of_material[material] {
-            let uv = if texture.flags & Texture::SECOND_UV == 0 {
-                triangles[index as usize].uv
-            } else {
-                scene.uv2.get(index as usize).copied().unwrap_or_default()
-            };
-            means[index as usize] = emission.mean(uv.map(Vec2::from_array));
+            let index = index as usize;
+            means[index] = emission.mean(texture.reads(&triangles[index].uv, scene.uv2.get(index)));
         }
         kept = Some(sums);
     }

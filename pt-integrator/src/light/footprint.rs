@@ -48,13 +48,12 @@ impl LuminanceSums {
     /// Mean luminance of a box that holds all texels which a triangle with these coordinates shows, and its number of
     /// texels. 0 only when these are black.
     pub(super) fn mean_about(&self, texture: &Texture, uv: &[Vec2; 3]) -> (f64, usize) {
-        let axis = |k: usize, size: usize, wrap: u32| {
-            let row = texture.uv_rows[k];
-            let texels = uv.map(|c| (row[0] * c.x + row[1] * c.y + row[2]) * size as f32 - 0.5);
-            spans(texels, size, wrap & 3)
+        let places = uv.map(|uv| texture.map(uv));
+        let axis = |places: [f32; 3], size: usize, wrap: u32| {
+            spans(places.map(|place| place * size as f32 - 0.5), size, wrap & 3)
         };
-        let columns = axis(0, self.width, texture.flags);
-        let rows = axis(1, self.height, texture.flags >> 2);
+        let columns = axis(places.map(|place| place.x), self.width, texture.flags);
+        let rows = axis(places.map(|place| place.y), self.height, texture.flags >> 2);
         let (mut sum, mut count) = (0, 0);
         for [left, right] in columns {
             for [top, bottom] in rows {

@@ -38,7 +38,7 @@ pub struct SceneHeader {
     pub textures: Section,
     /// [`crate::light::TriangleLight`]s.
     pub lights: Section,
-    /// [`crate::light::AliasEntry`]s, as many as lights.
+    /// [`crate::light::AliasEntry`]s, as many as `lights` and `punctual_lights` together, or none when none has power.
     pub alias: Section,
     /// Texels of the environment image, `[f32; 4]`.
     pub environment_texels: Section,

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use hashcache_core::traits::{RayCaster, Sampler};
 
-use super::medium::Medium;
+use super::medium::{Crossing, Medium};
 use super::scatters::Scatters;
 use super::step::{Tracer, next_event_weight, shadow_ray};
 use crate::bsdf::Lobe;
@@ -146,7 +146,8 @@ impl<const NEEDS: u32, C: RayCaster, M: Scatters> Direct<'_, '_, '_, NEEDS, C, M
             let mut sampler = numbers(i);
             if let Some(mut light) = sample_light::<NEEDS>(self.tracer.scene, &mut sampler, self.surface.position) {
                 if M::MIXED {
-                    light.radiance *= self.medium.passed_from(self.surface.position, &light);
+                    let (scale, medium) = self.side(light.direction);
+                    light.radiance *= scale * medium.passed_from(self.surface.position, &light);
                 }
                 let (value, pdf) = self.material.eval_pdf(Lobe::Diffuse, light.direction);
                 let mis = next_event_weight::<NEEDS>(&light, self.weight_of_next_event(light.pdf, pdf));
@@ -192,6 +193,11 @@ impl<const NEEDS: u32, C: RayCaster, M: Scatters> Direct<'_, '_, '_, NEEDS, C, M
         let (surface, scene) = (self.surface, self.tracer.scene);
         let Some(scattered) = self.material.sample(Lobe::Diffuse, sampler.next_2d()) else { return Vec3::ZERO };
         let (direction, pdf) = (scattered.incoming, scattered.pdf);
+        let (scale, medium) = if M::MIXED { self.side(direction) } else { (1.0, self.medium) };
+        if scale == 0.0 {
+            return Vec3::ZERO;
+        }
+        let weight = scattered.weight * scale;
         let origin = offset_origin(surface.position, surface.face, direction, surface.offset);
         let ray = ray_towards(origin, direction);
         if NEEDS & Needs::TRIANGLE_LIGHTS == 0 || !may_meet_emitter(scene.lights, &ray) {
@@ -205,12 +211,12 @@ impl<const NEEDS: u32, C: RayCaster, M: Scatters> Direct<'_, '_, '_, NEEDS, C, M
             if self.tracer.caster.occluded(&ray) {
                 return Vec3::ZERO;
             }
-            return seen.radiance * scattered.weight * (1.0 - self.weight_of_next_event(seen.pdf, pdf));
+            return seen.radiance * weight * (1.0 - self.weight_of_next_event(seen.pdf, pdf));
         }
         self.tracer.counts.closest += 1;
         let Some(hit) = self.tracer.caster.closest(&ray) else {
             let seen = scene.outside::<NEEDS>(direction);
-            return seen.radiance * scattered.weight * (1.0 - self.weight_of_next_event(seen.pdf, pdf));
+            return seen.radiance * weight * (1.0 - self.weight_of_next_event(seen.pdf, pdf));
         };
         let next = Surface::at::<NEEDS>(scene, &hit, direction);
         let emitted = next.emission::<NEEDS>(scene);
@@ -218,8 +224,18 @@ impl<const NEEDS: u32, C: RayCaster, M: Scatters> Direct<'_, '_, '_, NEEDS, C, M
             return Vec3::ZERO;
         }
         let other = self.tracer.light_density(&next, emitted, hit.t);
-        let met = emitted * scattered.weight * (1.0 - self.weight_of_next_event(other, pdf));
-        if M::MIXED { met * self.medium.before(&next).passed(hit.t) } else { met }
+        let met = emitted * weight * (1.0 - self.weight_of_next_event(other, pdf));
+        if M::MIXED { met * medium.before(&next).passed(hit.t) } else { met }
+    }
+
+    /// What the side from which light comes multiplies it with, 0 where it is not shown, and what it came through.
+    #[inline]
+    fn side(&self, direction: Vec3) -> (f32, Medium) {
+        if !self.surface.shows::<NEEDS>(direction, false) {
+            return (0.0, self.medium);
+        }
+        let Crossing { crosses, scale, .. } = Crossing::new(self.surface, direction, false);
+        (scale, self.medium.after(self.surface, crosses))
     }
 
     /// The share of next event in light from a direction that both strategies find, with these densities.

@@ -87,9 +87,8 @@ impl Scatters for Bsdf {
 
     #[inline]
     fn at<const NEEDS: u32>(scene: &SceneView<'_>, surface: &Surface<'_>) -> Self {
-        // The side is that of the shading normal, as it is for reflection.
-        let entering = surface.smooth_normal.dot(surface.face) > 0.0;
-        Self::new(&surface.bsdf_inputs::<NEEDS>(scene), surface.normal, -surface.direction, entering)
+        let inputs = surface.bsdf_inputs(scene);
+        Self::new(&inputs, surface.normal, -surface.direction, surface.from_front)
     }
 
     #[inline]

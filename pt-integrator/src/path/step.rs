@@ -5,7 +5,7 @@ use hashcache_core::geometry::Ray;
 use hashcache_core::traits::{RayCaster, Sampler};
 
 use super::RayCounts;
-use super::medium::Medium;
+use super::medium::{Crossing, Medium};
 use super::scatters::Scatters;
 use crate::bsdf::{BsdfSample, Lobe};
 use crate::light::{LightSample, may_meet_emitter, sample_light};
@@ -99,7 +99,8 @@ impl<'b, const NEEDS: u32, C: RayCaster> Tracer<'_, 'b, NEEDS, C> {
             return Vec3::ZERO;
         };
         let (value, pdf) = material.eval_pdf(lobe, light.direction);
-        if pdf <= 0.0 {
+        let transmitted = lobe == Lobe::Transmission;
+        if pdf <= 0.0 || !surface.shows::<NEEDS>(light.direction, transmitted) {
             return Vec3::ZERO;
         }
         let shadow = shadow_ray(surface, &light);
@@ -113,7 +114,8 @@ impl<'b, const NEEDS: u32, C: RayCaster> Tracer<'_, 'b, NEEDS, C> {
         if !M::MIXED {
             return met;
         }
-        met * medium.after(surface, lobe == Lobe::Transmission).passed_from(surface.position, &light)
+        let Crossing { crosses, scale, .. } = Crossing::new(surface, light.direction, transmitted);
+        met * scale * medium.after(surface, crosses).passed_from(surface.position, &light)
     }
 
     /// Goes on by a lobe. The `last` ray only looks for emitters.
@@ -127,8 +129,17 @@ impl<'b, const NEEDS: u32, C: RayCaster> Tracer<'_, 'b, NEEDS, C> {
         medium: Medium,
         last: bool,
     ) -> Arrival<'b> {
-        let Some(scattered) = material.sample(lobe, sampler.next_2d()) else { return Arrival::NOTHING };
+        let Some(mut scattered) = material.sample(lobe, sampler.next_2d()) else { return Arrival::NOTHING };
         let direction = scattered.incoming;
+        if !surface.shows::<NEEDS>(direction, scattered.transmitted) {
+            return Arrival::NOTHING;
+        }
+        let mut crosses = false;
+        if M::MIXED {
+            let crossing = Crossing::new(surface, direction, scattered.transmitted);
+            (crosses, scattered.eta) = (crossing.crosses, crossing.eta);
+            scattered.weight *= crossing.scale;
+        }
         let origin = offset_origin(surface.position, surface.face, direction, surface.offset);
         let ray = ray_towards(origin, direction);
         if last && self.sees_no_light(&ray) {
@@ -147,7 +158,7 @@ impl<'b, const NEEDS: u32, C: RayCaster> Tracer<'_, 'b, NEEDS, C> {
         let mut weight = scattered.weight;
         let mut through = Medium::NONE;
         if M::MIXED {
-            through = medium.after(surface, scattered.transmitted).before(&surface_met);
+            through = medium.after(surface, crosses).before(&surface_met);
             weight *= through.passed(hit.t);
         }
         let mut emitted = Vec3::ZERO;

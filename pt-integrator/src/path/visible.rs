@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use hashcache_core::geometry::Ray;
+use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::{RayCaster, Sampler};
 
 use super::direct::Direct;
@@ -35,20 +36,23 @@ const CERTAIN_WEIGHT: f32 = 1.0 / 8.0;
 /// comes there straight from emitters.
 ///
 /// The first layer is the surface that the camera sees. Its diffuse lobe becomes `layers[0]`, in every sample. Then the
-/// chain goes on by that of its other lobes that brings most light, to the surface of the next layer, and so on: nothing
-/// of this is left to chance. The last layer is for the lobes that were passed by, and for those of the last layer but
-/// one: one of them is chosen, and a walk from there chooses among all lobes until it scatters diffusely. So what is seen
-/// through glass has no noise of choices, and its reflections, a few percent of the light, have all of it. A pixel's
-/// radiance is the sum of all layers' `emitted + throughput · illumination`, `throughput` holding the chances of all
-/// choices.
+/// chain goes on by that of its other lobes that brings most light, to the surface of the next layer, and so on to the
+/// last layer but one; by chance only where little light is expected from there. The last layer is for the rest, the
+/// lobes that were passed by on the way and all but the diffuse one where the chain has no more layers: one of them is
+/// chosen in proportion to the light expected of it, perhaps none when that is little, and a walk from there chooses
+/// among all lobes until it scatters diffusely. So what is seen through glass has no noise of choices, and its
+/// reflections, a few percent of the light, have all of it. With a single layer the walk starts at the camera's surface.
+/// A pixel's radiance is the sum of all layers' `emitted + throughput · illumination`, `throughput` holding the chances
+/// of all choices.
 ///
-/// - `emitted`: light of the segment that ends in the layer: emission, the environment, and light that the lobe before
-///   it found by next event (weighted against each other).
+/// - `emitted`: light of the segment that ends in the layer, in the last layer of all segments of the walk: emission,
+///   the environment, and light that the lobe before it found by next event (weighted against each other).
 /// - `direct`: illumination of the diffuse lobe by emitters, an estimate of the same mean as [`super::trace_path`]'s
 ///   [`PathOutcome::direct`]; `further` is 0.
 /// - A surface without a diffuse lobe is a guide ([`PathOutcome::is_guide`]); in the last layer the first surface is,
 ///   when the walk ends without a diffuse vertex.
-/// - Layers behind the chain's end are [`PathOutcome::NONE`]. Scenes of Lambertian surfaces fill the first layer only.
+/// - Layers between the chain's end and the last are [`PathOutcome::NONE`], and the last is where no lobe was chosen.
+///   Scenes of Lambertian surfaces fill the first layer only.
 ///
 /// The settings are taken as they are: see [`DirectSettings::for_scene`]. At most [`MAX_LAYERS`] are filled.
 /// `numbers(strategy, layer, i)` makes the sampler of candidate or ray i of a layer. Consecutive indices are stratified
@@ -57,7 +61,7 @@ const CERTAIN_WEIGHT: f32 = 1.0 / 8.0;
 /// Adds to `counts`. Light that is NaN or infinite is left out in all layers and counted.
 ///
 /// # Source
-/// Roth et al. 2020, 3.4 (layers).
+/// Roth et al. 2020, 3.4 (layers); Chao 1982 (the choice among the rest).
 ///
 /// # Panics
 /// As [`super::trace_path`].
@@ -120,28 +124,18 @@ impl Chains for Lambert {
         chain.layers[0] = PathOutcome::seen(ray.direction, arrival.emitted);
         if let Some(next) = arrival.next {
             let material = Self::at::<NEEDS>(chain.tracer.scene, &next.surface);
-            chain.diffuse(0, &Place { next: &next, material: &material, distance: next.distance, depth: 0 }, Vec3::ONE);
+            chain.diffuse(0, &Vertex::first(next, arrival.weight), &material, 1.0);
         }
     }
 }
 
-/// A vertex of a chain.
-struct Place<'a, 'b, M> {
-    next: &'a Next<'b>,
-    material: &'a M,
-    /// Length of the path from the camera.
-    distance: f32,
-    /// Scatterings before it.
-    depth: u32,
-}
-
 impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler, N: FnMut(Strategy, u32, u32) -> S> Chain<'_, 'b, NEEDS, C, N> {
-    /// A layer shows the diffuse lobe of a vertex; `weight` is the camera's.
+    /// A layer shows the diffuse lobe of a vertex, which was chosen with a probability.
     #[inline]
-    fn diffuse<M: Scatters>(&mut self, layer: usize, place: &Place<'_, 'b, M>, weight: Vec3) {
-        let Place { next, material, distance, depth } = *place;
+    fn diffuse<M: Scatters>(&mut self, layer: usize, at: &Vertex<'b>, material: &M, probability: f32) {
+        let Vertex { next, weight, distance, depth, .. } = at;
         let outcome = &mut self.layers[layer];
-        outcome.arrive(&next.surface, distance, depth, weight * material.diffuse_throughput());
+        outcome.arrive(&next.surface, *distance, *depth, *weight / probability * material.diffuse_throughput());
         let mut direct = Direct {
             tracer: &mut self.tracer,
             surface: &next.surface,
@@ -162,22 +156,18 @@ impl Chains for Bsdf {
         chain.layers[0] = PathOutcome::seen(ray.direction, arrival.emitted);
         let Some(next) = arrival.next else { return };
         let mut sampler = (chain.numbers)(Strategy::Chain, 0, 0);
-        let mut at = Vertex { distance: next.distance, next, weight: arrival.weight, eta: 1.0, depth: 0 };
+        let mut at = Vertex::first(next, arrival.weight);
         let last = chain.layers.len() - 1;
         if last == 0 {
             return chain.walk(&mut sampler, at, 0);
         }
         let mut rest = Rest { total: 0.0, kept: None };
         for layer in 0..last {
-            if at.depth > 0 && at.depth >= chain.settings.max_bounces {
-                // All that this vertex shows is emission, and that is counted.
-                break;
-            }
             let material = Self::at::<NEEDS>(chain.tracer.scene, &at.next.surface);
             let lobes = material.lobes();
             let specular = lobes[Lobe::Reflection as usize..].iter().sum::<f32>();
             if lobes[Lobe::Diffuse as usize] > 0.0 || specular <= 0.0 {
-                chain.diffuse(layer, &at.place(&material), at.weight);
+                chain.diffuse(layer, &at, &material, 1.0);
             } else {
                 chain.layers[layer].guide(&at.next.surface, at.distance, at.depth);
             }
@@ -187,17 +177,17 @@ impl Chains for Bsdf {
                 rest.offer(expected * lobes[lobe as usize] / specular, &mut sampler, || (at, lobe, layer));
             }
             let Some(lobe) = main else { break };
+            chain.layers[layer].shininess = shininess(material.roughness(lobe));
             let Some(survival) = survival(expected * lobes[lobe as usize] / specular, &mut sampler) else { break };
-            chain.layers[layer].shininess = 1.0 - material.roughness(lobe);
             let Some(further) = chain.step(&mut sampler, &at, &material, lobe, survival, layer + 1) else { break };
             at = further;
         }
         let Rest { total, kept: Some((weight, (at, lobe, layer))) } = rest else { return };
-        let Some(survival) = survival(total, &mut sampler) else { return };
         let material = Self::at::<NEEDS>(chain.tracer.scene, &at.next.surface);
         if chain.layers[layer].shininess <= 0.0 {
-            chain.layers[layer].shininess = 1.0 - material.roughness(lobe);
+            chain.layers[layer].shininess = shininess(material.roughness(lobe));
         }
+        let Some(survival) = survival(total, &mut sampler) else { return };
         let chance = survival * weight / total;
         if let Some(further) = chain.step(&mut sampler, &at, &material, lobe, chance, last) {
             chain.walk(&mut sampler, further, last);
@@ -220,8 +210,9 @@ struct Vertex<'b> {
 }
 
 impl<'b> Vertex<'b> {
-    fn place<'a, M>(&'a self, material: &'a M) -> Place<'a, 'b, M> {
-        Place { next: &self.next, material, distance: self.distance, depth: self.depth }
+    /// The one that the camera sees.
+    const fn first(next: Next<'b>, weight: Vec3) -> Self {
+        Self { distance: next.distance, next, weight, eta: 1.0, depth: 0 }
     }
 }
 
@@ -234,6 +225,12 @@ fn strongest(lobes: &[f32; 4]) -> Option<Lobe> {
     let weight = |lobe: Lobe| lobes[lobe as usize];
     let strongest = SPECULAR.into_iter().reduce(|best, lobe| if weight(lobe) > weight(best) { lobe } else { best });
     strongest.filter(|lobe| weight(*lobe) > 0.0)
+}
+
+/// What a record tells of a lobe that a chain goes on by: above 0 even for the roughest, since 0 says that it ends.
+#[inline]
+fn shininess(roughness: f32) -> f32 {
+    (1.0 - roughness).max(VertexRecord::LEAST_SHININESS)
 }
 
 /// The probability by which something of this expected weight is traced; `None`: chance decided against it.
@@ -301,15 +298,12 @@ impl<'b, const NEEDS: u32, C: RayCaster, S: Sampler, N: FnMut(Strategy, u32, u32
     /// Chooses among all lobes until the diffuse one is chosen.
     fn walk(&mut self, sampler: &mut S, mut at: Vertex<'b>, layer: usize) {
         loop {
-            if at.depth > 0 && at.depth >= self.settings.max_bounces {
-                return;
-            }
             let material = <Bsdf as Scatters>::at::<NEEDS>(self.tracer.scene, &at.next.surface);
             let (lobe, probability) = Scatters::pick(&material, sampler);
             if lobe == Lobe::Diffuse {
                 // In place of the walk's first surface.
                 self.layers[layer].is_guide = false;
-                return self.diffuse(layer, &at.place(&material), at.weight / probability);
+                return self.diffuse(layer, &at, &material, probability);
             }
             if !self.layers[layer].is_guide {
                 self.layers[layer].guide(&at.next.surface, at.distance, at.depth);

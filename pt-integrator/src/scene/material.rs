@@ -121,6 +121,18 @@ impl Material {
         self.emits() && self.flags & Self::UNLIT == 0 && self.textures[Self::EMISSION] == NONE
     }
 
+    /// Whether the surface or its clear coat has a normal map.
+    #[inline]
+    pub const fn has_normal_map(&self) -> bool {
+        self.textures[Self::NORMAL] != NONE || self.textures[Self::CLEARCOAT_NORMAL] != NONE
+    }
+
+    /// Whether the material encloses a solid that light may enter.
+    #[inline]
+    pub fn is_solid(&self) -> bool {
+        self.flags & Self::VOLUME != 0 && self.lobes().contains(Lobes::TRANSMISSION)
+    }
+
     /// The same surface said without [`Material::UNLIT`], which path tracing then need not know: a black one that emits
     /// its base colour. Others stay as they are.
     #[must_use]

@@ -58,7 +58,7 @@ impl Needs {
                 | bit(glossy, Self::GLOSSY)
                 | bit(lobes.contains(Lobes::TRANSMISSION), Self::TRANSMISSION)
                 | bit(lobes.contains(Lobes::COAT), Self::COAT)
-                | bit(textured(&[Material::NORMAL, Material::CLEARCOAT_NORMAL]), Self::NORMAL_MAPS)
+                | bit(m.has_normal_map(), Self::NORMAL_MAPS)
                 | bit(m.emits() && textured(&[Material::EMISSION]), Self::EMISSIVE_TEXTURES)
         };
         Self(materials.iter().fold(0, |bits, material| bits | of(material)))

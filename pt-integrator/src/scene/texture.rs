@@ -1,6 +1,7 @@
 //! Textures.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec2;
 pub use hashcache_core::texel::Wrap;
 
 /// An image in the scene's list of texels, with how it is read. 48 bytes. Several textures may share texels.
@@ -39,6 +40,28 @@ impl Texture {
     /// ```
     pub const fn new(first_texel: u32, [width, height]: [u32; 2], [s, t]: [Wrap; 2]) -> Self {
         Self { first_texel, width, height, flags: Self::wrap_word(s, t), uv_rows: Self::IDENTITY }
+    }
+
+    /// Where coordinates of a vertex lie on the image, by [`Texture::uv_rows`].
+    ///
+    /// ```
+    /// use pt_integrator::glam::Vec2;
+    /// use pt_integrator::scene::{Texture, Wrap};
+    /// let mut turned = Texture::new(0, [1, 1], [Wrap::Repeat; 2]);
+    /// turned.uv_rows = [[0.0, 2.0, 0.5, 0.0], [-1.0, 0.0, 0.0, 0.0]];
+    /// assert_eq!(turned.map(Vec2::new(3.0, 1.0)), Vec2::new(2.5, -3.0));
+    /// ```
+    #[inline]
+    pub fn map(&self, uv: Vec2) -> Vec2 {
+        let row = |r: &[f32; 4]| r[0] * uv.x + r[1] * uv.y + r[2];
+        Vec2::new(row(&self.uv_rows[0]), row(&self.uv_rows[1]))
+    }
+
+    /// Which of a triangle's two sets of coordinates the texture reads; zeros in place of a set that there is not.
+    #[inline]
+    pub(crate) fn reads(&self, first: &[[f32; 2]; 3], second: Option<&[[f32; 2]; 3]>) -> [Vec2; 3] {
+        let uv = if self.flags & Self::SECOND_UV == 0 { *first } else { second.copied().unwrap_or_default() };
+        uv.map(Vec2::from_array)
     }
 
     /// The bits of [`Texture::flags`] that say what is outside.

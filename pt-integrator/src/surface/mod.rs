@@ -25,7 +25,8 @@ pub struct Surface<'a> {
     pub face: Vec3,
     /// Unit shading normal, on the side from which the ray came; under a normal map, the map's.
     pub normal: Vec3,
-    /// Unit shading normal without a normal map, on the side from which the ray came: what a clear coat has.
+    /// Unit shading normal without a normal map, on the side from which the ray came: what a clear coat has. Where a
+    /// solid's interpolated normal points away from the viewer, as on rims, it is the face's.
     pub smooth_normal: Vec3,
     /// By how much rays start off the face.
     pub offset: f32,
@@ -61,7 +62,12 @@ impl<'a> Surface<'a> {
         }
         let [ta, tb, tc] = triangle.uv.map(Vec2::from_array);
         let normal = shading_normal(triangle, instance, [w, u, v], face);
-        let smooth_normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        let mut smooth_normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        let material = &scene.materials[triangle.material as usize];
+        let from_front = face.dot(direction) < 0.0;
+        if NEEDS & Needs::TRANSMISSION != 0 && material.is_solid() && (smooth_normal.dot(face) > 0.0) != from_front {
+            smooth_normal = if from_front { face } else { -face };
+        }
         let mut surface = Self {
             position: a * w + b * u + c * v,
             face,
@@ -69,8 +75,8 @@ impl<'a> Surface<'a> {
             smooth_normal,
             offset: triangle_offset(&corners),
             uv: ta * w + tb * u + tc * v,
-            material: &scene.materials[triangle.material as usize],
-            from_front: face.dot(direction) < 0.0,
+            material,
+            from_front,
             hit: *hit,
             direction,
         };
@@ -79,6 +85,22 @@ impl<'a> Surface<'a> {
             surface.normal = surface.mapped_normal(scene, Material::NORMAL, scale);
         }
         surface
+    }
+
+    /// Whether light from a direction comes to the viewer, from the other side if `transmitted`. Under a normal map it
+    /// has to be on the same side of the smooth normal, or bumps would show what is behind a sheet. `NEEDS` as in
+    /// [`crate::light::sample_light`].
+    #[inline]
+    pub fn shows<const NEEDS: u32>(&self, incoming: Vec3, transmitted: bool) -> bool {
+        NEEDS & Needs::NORMAL_MAPS == 0
+            || !self.material.has_normal_map()
+            || (self.smooth_normal.dot(incoming) > 0.0) != transmitted
+    }
+
+    /// Whether light from a direction comes through the triangle, whatever the shading normal says.
+    #[inline]
+    pub fn is_crossed_from(&self, incoming: Vec3) -> bool {
+        (self.face.dot(incoming) < 0.0) == self.from_front
     }
 
     /// Radiance towards where the ray came from. `NEEDS` as in [`crate::light::sample_light`].

@@ -24,10 +24,7 @@ impl Surface<'_> {
     pub(super) fn mapped_normal(&self, scene: &SceneView<'_>, map: usize, scale: f32) -> Vec3 {
         let Some(texture) = self.texture_at(scene, map) else { return self.smooth_normal };
         let corners = place(self.triangle(scene), self.instance(scene));
-        let coordinates = scene.coordinates(texture, self.hit.triangle).map(|uv| {
-            let row = |r: &[f32; 4]| r[0] * uv.x + r[1] * uv.y + r[2];
-            Vec2::new(row(&texture.uv_rows[0]), row(&texture.uv_rows[1]))
-        });
+        let coordinates = scene.coordinates(texture, self.hit.triangle).map(|uv| texture.map(uv));
         // The side that the map describes is the front.
         let behind = self.smooth_normal.dot(self.face) < 0.0;
         let normal = if behind { -self.smooth_normal } else { self.smooth_normal };

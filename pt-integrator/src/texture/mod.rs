@@ -63,9 +63,9 @@ struct Place {
 impl Place {
     #[inline]
     fn new(texture: &Texture, uv: Vec2) -> Self {
-        let row = |r: &[f32; 4]| r[0] * uv.x + r[1] * uv.y + r[2];
-        let x = texel_pair(row(&texture.uv_rows[0]), texture.width, texture.flags);
-        let y = texel_pair(row(&texture.uv_rows[1]), texture.height, texture.flags >> 2);
+        let at = texture.map(uv);
+        let x = texel_pair(at.x, texture.width, texture.flags);
+        let y = texel_pair(at.y, texture.height, texture.flags >> 2);
         Self { columns: [x.first, x.second], rows: [y.first, y.second], fraction: Vec2::new(x.fraction, y.fraction) }
     }
 
