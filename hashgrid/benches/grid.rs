@@ -27,14 +27,18 @@ use hashgrid::{CELL_WORDS, Key, Params, Settings, Table, Word};
 /// Operations of one thread in one measured run.
 const OPERATIONS: usize = 1 << 17;
 
-fn zeroed(words: usize) -> Vec<AtomicU64> {
-    (0..words).map(|_| AtomicU64::new(0)).collect()
+/// Words of which some begin at a line of the memory's caches, and where.
+fn zeroed(words: usize) -> (Vec<AtomicU64>, usize) {
+    let all: Vec<_> = (0..words + CELL_WORDS).map(|_| AtomicU64::new(0)).collect();
+    let first = all.as_ptr().align_offset(64);
+    (all, first)
 }
 
 /// A table of half as many keys as cells, and what asks for them.
 struct Case {
     params: Params,
-    words: Vec<Word>,
+    storage: Vec<Word>,
+    first: usize,
     cells: u32,
     vertices: Vec<VertexRecord>,
     keys: Vec<Key>,
@@ -44,11 +48,11 @@ struct Case {
 impl Case {
     fn new(cells: u32) -> Self {
         let params = Params::new(&Settings { jitter: 0.0, ..Settings::default() }).expect("settings of a bench");
-        let words = zeroed(cells as usize * CELL_WORDS);
-        let table = Table::new(&words, &params).expect("storage of a bench");
+        let (storage, first) = zeroed(cells as usize * CELL_WORDS);
+        let table = Table::new(&storage[first..][..cells as usize * CELL_WORDS], &params).expect("storage of a bench");
         table.clear();
-        for first in (0..cells / 2).step_by(4096) {
-            let part: Vec<_> = (first..first + 4096).map(vertex).collect();
+        for start in (0..cells / 2).step_by(4096) {
+            let part: Vec<_> = (start..start + 4096).map(vertex).collect();
             claim_vertices(&table, &params, &part);
             deposit_vertices(&table, &params, &part, &mut Counters::default());
         }
@@ -56,11 +60,15 @@ impl Case {
         let vertices: Vec<_> = chosen.map(vertex).collect();
         let keys = vertices.iter().filter_map(|vertex| key(&params, vertex, 0)).collect();
         let slots = (0..2 * OPERATIONS as u32).map(|i| pcg2d([i, 7])[0] & (cells - 1)).collect();
-        Self { params, words, cells, vertices, keys, slots }
+        Self { params, storage, first, cells, vertices, keys, slots }
+    }
+
+    fn words(&self) -> &[Word] {
+        &self.storage[self.first..][..self.cells as usize * CELL_WORDS]
     }
 
     fn table(&self) -> Table<'_> {
-        Table::new(&self.words, &self.params).expect("storage of a bench")
+        Table::new(self.words(), &self.params).expect("storage of a bench")
     }
 
     /// Runs `work` on `threads` parts of all operations and measures the whole.
@@ -132,7 +140,7 @@ fn plain_insert(words: &[AtomicU64], mask: u32, probes: u32, key: &Key) -> Optio
 fn lookups(c: &mut Criterion, case: &Case, threads: usize) {
     let table = case.table();
     case.measure(c, "lookup/raw_line", threads, |part| {
-        black_box(case.slots[part].iter().fold(0_u64, |sum, slot| sum.wrapping_add(raw_read(&case.words, *slot))));
+        black_box(case.slots[part].iter().fold(0_u64, |sum, slot| sum.wrapping_add(raw_read(case.words(), *slot))));
     });
     case.measure(c, "lookup/key", threads, |part| {
         let found = case.keys[part].iter().filter_map(|key| table.lookup(key));
@@ -163,10 +171,10 @@ fn deposits(c: &mut Criterion, case: &Case, threads: usize) {
 }
 
 fn plain_tables(c: &mut Criterion, case: &mut Case) {
-    for word in &mut case.words {
+    for word in &mut case.storage {
         *word.get_mut() = 0;
     }
-    let (words, mask) = (&case.words, case.cells - 1);
+    let (words, mask) = (case.words(), case.cells - 1);
     for i in 0..case.cells / 2 {
         let key = key(&case.params, &vertex(i), 0).expect("a finite vertex");
         black_box(plain_insert(words, mask, 32, &key));

@@ -58,7 +58,8 @@
 //! Without features nothing allocates. Where 64-bit atomics are missing, [`Word`] is a pair of 32-bit ones of the same bytes.
 //!
 //! # Memory
-//! 64 bytes a cell in the standard [`layout`], a line of the memory's caches; 32 in the smallest, up to 112 with all
+//! 64 bytes a cell in the standard [`layout`], a line of the memory's caches where storage
+//! begins at one; 32 in the smallest, up to 112 with all
 //! options, each listed there with its bytes. A power of two of cells. A standard table of n keys at load a takes
 //! 64·n/a bytes: half a million keys at load 0.5 are 2²⁰ cells, 64 MiB. A frame of w×h pixels with cells of
 //! c×c footprints on surfaces has about 4·w·h/c² keys at first vertices (cells are between c/2 and c wide), and at least as
@@ -89,6 +90,7 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod batch;
 mod cell;
 pub mod evict;
 pub mod few;

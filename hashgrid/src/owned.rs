@@ -38,7 +38,9 @@ use crate::word::Word;
 #[derive(Debug)]
 pub struct OwnedGrid {
     params: Params,
+    /// The table, from `first` on: there a line of the memory's caches begins, so that a cell is one line and not part of two.
     words: Box<[Word]>,
+    first: usize,
     counters: [Word; Counters::WORDS],
     pending: Vec<VertexRecord>,
 }
@@ -52,8 +54,11 @@ impl OwnedGrid {
         let wanted = cells.saturating_mul(CELL_WORDS);
         // Judged before memory is asked for.
         Table::<Standard>::check_words(wanted)?;
-        let words = (0..wanted).map(|_| Word::new(0)).collect();
-        let grid = Self { params, words, counters: [const { Word::new(0) }; Counters::WORDS], pending: Vec::new() };
+        let words: Box<[Word]> = (0..wanted + CELL_WORDS).map(|_| Word::new(0)).collect();
+        // Where the way to a line's begin is not known, any will do.
+        let first = words.as_ptr().align_offset(size_of::<Word>() * CELL_WORDS).min(CELL_WORDS);
+        let grid =
+            Self { params, words, first, counters: [const { Word::new(0) }; Counters::WORDS], pending: Vec::new() };
         grid.table().clear();
         Ok(grid)
     }
@@ -68,7 +73,8 @@ impl OwnedGrid {
     /// # Panics
     /// Never: [`OwnedGrid::new`] checked the storage.
     pub fn table(&self) -> Table<'_> {
-        Table::new(&self.words, &self.params).expect("checked when the grid was made")
+        let words = &self.words[self.first..][..self.words.len() - CELL_WORDS];
+        Table::new(words, &self.params).expect("checked when the grid was made")
     }
 
     /// Counters since the grid was made.
@@ -97,5 +103,19 @@ impl RadianceCache for OwnedGrid {
         deposit_vertices(&self.table(), &self.params, &self.pending, &mut counters);
         add_counters(&self.counters, &counters);
         self.pending.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_lines() {
+        for cells in [64, 128, 1 << 12] {
+            let grid = OwnedGrid::new(Params::new(&crate::Settings::default()).unwrap(), cells).unwrap();
+            assert_eq!(grid.table().capacity(), cells);
+            assert_eq!(grid.words[grid.first..].as_ptr().align_offset(64), 0, "{cells} cells");
+        }
     }
 }

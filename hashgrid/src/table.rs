@@ -129,7 +129,8 @@ impl<'a> Table<'a> {
 
 impl<'a, L: Layout> Table<'a, L> {
     /// A table on `storage`, [`Layout::WORDS`] words a cell. The words are taken as they are: [`clear`](Self::clear)
-    /// them before the first use.
+    /// them before the first use. Where storage begins at a multiple of 64 bytes, a cell of 64 is one line of the memory's
+    /// caches; elsewhere it is part of two, and deposits into a large table take about a third longer.
     ///
     /// # Errors
     /// [`ParamError::TooShort`] below [`MIN_CELLS`] cells, [`ParamError::NotPowerOfTwo`] for words of another number of

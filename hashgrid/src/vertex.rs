@@ -6,69 +6,14 @@ use hashcache_core::glam::Vec3;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::traits::Estimate;
 
+use crate::batch::{BATCH, Start, find_batch, start};
 use crate::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
-use crate::key::{Key, fingerprint, key};
-use crate::layout::{Keep, Layout};
+use crate::key::{Key, key};
+use crate::layout::Layout;
 use crate::params::Params;
 use crate::sums::Sums;
 use crate::table::{Claim, Found, Quanta, Table};
 use crate::word::{self, Word};
-
-/// Vertices whose slots are asked for at once: their cache misses overlap. More than the misses that a core keeps in
-/// flight (10 to 16) gains nothing.
-pub(crate) const BATCH: usize = 16;
-
-/// Where a vertex's probe sequence begins: home slot and fingerprint, and what the layout keeps of the key.
-#[derive(Clone, Copy)]
-pub(crate) struct Start<K> {
-    slot: u32,
-    fingerprint: u32,
-    kept: K,
-}
-
-impl<K: Keep> Start<K> {
-    #[inline]
-    pub(crate) fn of<L: Layout<Kept = K>>(table: &Table<'_, L>, key: &Key) -> Self {
-        Self { slot: table.home_slot(key), fingerprint: fingerprint(key), kept: K::of(key) }
-    }
-
-    /// The cell, with word 0 of the home as read before.
-    #[inline]
-    fn find_from<L: Layout<Kept = K>>(&self, table: &Table<'_, L>, head: u64) -> Found {
-        let mut found = table.find_from(self.slot, self.fingerprint, head);
-        found.slot = found.slot.filter(|slot| self.kept.stands_in(table.key_words(*slot)));
-        found
-    }
-}
-
-#[inline]
-fn start<L: Layout>(table: &Table<'_, L>, params: &Params, vertex: &VertexRecord, salt: u32) -> Option<Start<L::Kept>> {
-    if vertex.flags & VertexRecord::VALID == 0 {
-        return None;
-    }
-    Some(Start::of(table, &key(params, vertex, salt)?))
-}
-
-/// The starts of up to [`BATCH`] vertices, each with the first word of its home.
-///
-/// The words are read in a loop of their own: only so close together do their misses overlap (keys take more
-/// instructions than a core looks ahead).
-#[inline]
-fn starts<L: Layout>(
-    table: &Table<'_, L>,
-    params: &Params,
-    vertices: &[VertexRecord],
-    salt: u32,
-) -> [Option<(Start<L::Kept>, u64)>; BATCH] {
-    let mut starts = [None; BATCH];
-    for (to, vertex) in starts.iter_mut().zip(vertices) {
-        *to = start(table, params, vertex, salt).map(|start| (start, 0));
-    }
-    for (start, head) in starts.iter_mut().flatten() {
-        *head = table.head(start.slot);
-    }
-    starts
-}
 
 /// Claims a cell for every [recordable](VertexRecord::is_recordable) vertex that has a key. True when some key was refused.
 ///
@@ -76,8 +21,12 @@ fn starts<L: Layout>(
 pub fn claim_vertices<L: Layout>(table: &Table<'_, L>, params: &Params, vertices: &[VertexRecord]) -> bool {
     let mut refused = false;
     for batch in vertices.chunks(BATCH) {
-        for (start, vertex) in starts(table, params, batch, SALT_DEPOSIT).into_iter().zip(batch) {
-            let Some((start, head)) = start.filter(|_| vertex.is_recordable()) else { continue };
+        for (start, vertex) in find_batch(table, params, batch, SALT_DEPOSIT).into_iter().zip(batch) {
+            // Who has a cell keeps it: it is found now, or by whoever displaces it.
+            let Some((start, _)) = start.filter(|(_, found)| found.slot.is_none() && vertex.is_recordable()) else {
+                continue;
+            };
+            let head = table.head(start.slot);
             refused |= table.claim_from(start.slot, start.fingerprint, head) == Claim::Refused;
         }
     }
@@ -94,14 +43,13 @@ pub fn deposit_vertices<L: Layout>(
     counters: &mut Counters,
 ) {
     for batch in vertices.chunks(BATCH) {
-        let starts = starts(table, params, batch, SALT_DEPOSIT);
-        for (start, vertex) in starts.into_iter().zip(batch) {
+        for (start, vertex) in find_batch(table, params, batch, SALT_DEPOSIT).into_iter().zip(batch) {
             if !vertex.is_recordable() {
                 continue;
             }
             counters.deposits += 1;
             let values = quantize_for::<L>(params, vertex);
-            let found = start.map(|(start, head)| start.find_from(table, head));
+            let found = start.map(|(start, found)| start.named(table, found));
             let stored = deposit_found(table, found, &values, counters);
             note_all(&values, stored, counters);
         }
@@ -148,8 +96,7 @@ pub(crate) fn deposit_found<L: Layout>(
 /// What [`Table::find`] finds, without a slot where the layout keeps another key there.
 #[inline]
 pub(crate) fn find_named<L: Layout>(table: &Table<'_, L>, key: &Key) -> Found {
-    let start = Start::of(table, key);
-    start.find_from(table, table.head(start.slot))
+    Start::of(table, key).find(table)
 }
 
 /// The key under which a vertex deposits; none for a vertex that is not [recordable](VertexRecord::is_recordable).
@@ -242,9 +189,9 @@ pub fn estimate_slots<L: Layout>(
     mut answer: impl FnMut(usize, Estimate, Option<u32>),
 ) {
     for (b, batch) in vertices.chunks(BATCH).enumerate() {
-        let starts = starts(table, params, batch, SALT_LOOKUP);
+        let starts = find_batch(table, params, batch, SALT_LOOKUP);
         for (i, (start, vertex)) in starts.into_iter().zip(batch).enumerate() {
-            let found = start.map(|(start, head)| start.find_from(table, head));
+            let found = start.map(|(start, found)| start.named(table, found));
             let (estimate, slot) = estimate_found(table, params, vertex, found, counters);
             answer(b * BATCH + i, estimate, slot);
         }
@@ -267,7 +214,7 @@ fn estimate_found<L: Layout>(
         return (estimate, found.and_then(|found| found.slot));
     }
     let start = start(table, params, vertex, SALT_DEPOSIT);
-    let found = start.map(|start| start.find_from(table, table.head(start.slot)));
+    let found = start.map(|start| start.find(table));
     if let Some(estimate) = estimate_cell(table, params, found, counters) {
         return (estimate, found.and_then(|found| found.slot));
     }

@@ -4,8 +4,10 @@ use std::thread;
 use hashcache_core::counters::Counters;
 use hashcache_core::hash::pcg;
 use hashgrid::Claim;
+use hashgrid::jitter::{SALT_DEPOSIT, SALT_LOOKUP};
+use hashgrid::key::key;
 use hashgrid::tag::tag_distance;
-use hashgrid::vertex::{claim_vertices, deposit_vertices};
+use hashgrid::vertex::{claim_vertices, deposit_vertices, estimate_slots};
 
 use super::*;
 
@@ -220,4 +222,39 @@ fn storage_is_checked() {
         assert!(Table::new(&storage, &params).is_err(), "{words} words");
     }
     assert!(Table::new(&storage(64, &params), &params).is_ok());
+}
+
+/// Vertices that are looked for together find what each finds by itself, slot by slot, in a table so full that sequences
+/// end in every way: at the key, at an empty slot, and at the last probe.
+#[test]
+fn batches_find_what_single_lookups_find() {
+    let params = params(Settings { base_size: 1.0 / 32.0, max_probes: 6, ..Settings::default() });
+    let words = storage(1 << 11, &params);
+    let table = Table::new(&words, &params).unwrap();
+    // All that is known and some more.
+    let (known, mut asked) = (room(2500, 1), room(3001, 1));
+    claim_vertices(&table, &params, &known);
+    deposit_vertices(&table, &params, &known, &mut Counters::default());
+    // Some without a key, some that are no vertex.
+    for i in (0..asked.len()).step_by(7) {
+        asked[i].position_footprint[0] = f32::NAN;
+        asked[i + 1].flags = 0;
+    }
+    let (mut wanted, mut slots, mut exhausted) = (Counters::default(), vec![], 0);
+    for vertex in &asked {
+        let found = [SALT_LOOKUP, SALT_DEPOSIT].into_iter().find_map(|salt| {
+            let found = table.find(&key(&params, vertex, salt).filter(|_| vertex.is_valid())?);
+            wanted.probes += u64::from(found.probes);
+            exhausted += u32::from(found.slot.is_none() && found.probes == 6);
+            found.slot.filter(|slot| table.cell(*slot).count > 0)
+        });
+        wanted.lookups += u64::from(vertex.is_valid());
+        wanted.hits += u64::from(found.is_some());
+        slots.push(found);
+    }
+    let (mut counters, mut answered) = (Counters::default(), vec![]);
+    estimate_slots(&table, &params, &asked, &mut counters, |_, _, slot| answered.push(slot));
+    assert!(answered == slots && exhausted > 10, "{exhausted} sequences ended at the last probe");
+    assert_eq!([counters.probes, counters.lookups, counters.hits], [wanted.probes, wanted.lookups, wanted.hits]);
+    assert!(counters.hits > 500 && counters.fallbacks > 200, "{} hits, {} not", counters.hits, counters.fallbacks);
 }
