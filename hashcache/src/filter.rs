@@ -18,7 +18,7 @@ pub(crate) fn settings(
     camera: &Camera,
     scene_radius: f32,
 ) -> Result<FilterSettings, ParamError> {
-    let Filters { further, direct: direct_filter, behind, carried } = filters(settings, camera, 1)?;
+    let Filters { further, direct: direct_filter, carried } = filters(settings, camera, 1)?;
     Ok(FilterSettings {
         width: camera.width,
         height: camera.height,
@@ -30,7 +30,6 @@ pub(crate) fn settings(
         pixel_angle: CameraRays::new(camera).pixel_angle(),
         further,
         direct_filter,
-        behind,
         carried,
         layers: plan.layers,
         composition: match settings.filter {
@@ -47,8 +46,6 @@ pub(crate) struct Filters {
     pub further: Filter,
     /// Of direct light that is apart.
     pub direct: Filter,
-    /// Of the cache's light behind the first layer.
-    pub behind: Filter,
     /// Of light from behind that is filtered once more.
     pub carried: Filter,
 }
@@ -65,12 +62,7 @@ pub(crate) fn has_wide_pass(settings: &Settings) -> bool {
 /// The denoisers for pixels of `samples` samples.
 pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Result<Filters, ParamError> {
     if settings.filter == FilterKind::None {
-        return Ok(Filters {
-            further: Filter::None,
-            direct: Filter::None,
-            behind: Filter::None,
-            carried: Filter::None,
-        });
+        return Ok(Filters { further: Filter::None, direct: Filter::None, carried: Filter::None });
     }
     let footprint = CameraRays::new(camera).pixel_angle();
     let weights = WeightSettings {
@@ -108,7 +100,6 @@ pub(crate) fn filters(settings: &Settings, camera: &Camera, samples: u32) -> Res
     Ok(Filters {
         further: of(settings.filter_radius, settings.filter_samples / share, wide)?,
         direct: of(settings.filter_direct_radius, 0.0, false)?,
-        behind: of(settings.filter_radius, settings.filter_samples / share, false)?,
         carried: of(settings.filter_radius, settings.filter_samples, false)?,
     })
 }

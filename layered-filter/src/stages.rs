@@ -75,9 +75,6 @@ pub struct FilterSettings {
     pub further: Filter,
     /// The denoiser of direct light.
     pub direct_filter: Filter,
-    /// The denoiser of the cache's light in the layers behind the first. What a curved mirror shows lies far apart from
-    /// pixel to pixel, so it had better reach less far.
-    pub behind: Filter,
     /// The denoiser of light from behind that is filtered with the guides of what it passes.
     pub carried: Filter,
     /// Layers, 1 to [`MAX_LAYERS`]: records and estimates of a pixel that follow each other.
@@ -146,10 +143,9 @@ impl FilterStages {
     }
 
     /// Replaces the denoisers; sums stay.
-    pub const fn set_filters(&mut self, further: Filter, direct: Filter, behind: Filter, carried: Filter) {
+    pub const fn set_filters(&mut self, further: Filter, direct: Filter, carried: Filter) {
         self.settings.further = further;
         self.settings.direct_filter = direct;
-        self.settings.behind = behind;
         self.settings.carried = carried;
     }
 
@@ -202,10 +198,10 @@ impl FilterStages {
         push(&GATHER_FRONT, fronts);
         push(&PREPARE, true);
         push(&FILL, true);
-        let filters = [&self.settings.further, &self.settings.direct_filter, &self.settings.behind];
-        for (filter, used) in filters.into_iter().zip([true, true, deep]) {
+        let filters = [&self.settings.further, &self.settings.direct_filter];
+        for filter in filters {
             if let Some(kernel) = filter.kernel() {
-                push(kernel, used);
+                push(kernel, true);
             }
         }
         push(&COMPOSE, !deep);

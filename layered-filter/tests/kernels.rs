@@ -68,7 +68,6 @@ fn settings(direct: Direct, filter: &Filter) -> FilterSettings {
         pixel_angle: 0.002,
         further: *filter,
         direct_filter: *filter,
-        behind: *filter,
         carried: *filter,
         layers: 1,
         composition: Composition::Layered,

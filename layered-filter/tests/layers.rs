@@ -74,7 +74,6 @@ fn settings(layers: u32, composition: Composition, direct: Direct, filter: &Filt
         pixel_angle: ANGLE,
         further: *filter,
         direct_filter: *filter,
-        behind: *filter,
         carried: *filter,
         layers,
         composition,

@@ -122,7 +122,7 @@ impl Cached {
     pub fn picture<B: CastsRays>(&mut self, backend: &mut B, pass: &Pass<'_>, work: &mut Work) -> Result<Image, Error> {
         let filters = filter::filters(pass.settings, pass.camera, self.gathered)
             .map_err(|error| Error::refused("filter", &error))?;
-        self.filter.set_filters(filters.further, filters.direct, filters.behind, filters.carried);
+        self.filter.set_filters(filters.further, filters.direct, filters.carried);
         work.stage(backend, "filter", |backend| self.filter.filter(backend))?;
         let radiance = self.filter.radiance().ok_or(backend_api::Error::UnknownBuffer { at: "lf.radiance" })?;
         Ok(pass.picture(&super::read(backend, radiance)?))

@@ -117,7 +117,7 @@ pub struct Settings {
     /// always that. 0 to 10⁹, by default 5000.
     pub filter_wide_samples: f32,
     /// `filter.significance`: standard deviations of a difference of light at which that pass mixes 1/e, 0.001 to 10⁶, by
-    /// default 2.
+    /// default 1.5.
     pub filter_significance: f32,
     /// `filter.direct_radius`: the radius over direct light that is traced, in pixels, 1 to 256, by default 2.
     pub filter_direct_radius: f32,
@@ -207,7 +207,7 @@ impl Default for Settings {
             filter_samples: 600.0,
             filter_wide_radius: 24.0,
             filter_wide_samples: 5000.0,
-            filter_significance: 2.0,
+            filter_significance: 1.5,
             filter_direct_radius: 2.0,
             filter_luminance: 0.0,
             filter_normal: 3,

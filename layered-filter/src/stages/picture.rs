@@ -8,10 +8,15 @@ use bytemuck::{Pod, Zeroable, bytes_of};
 use super::buffers::{BEHIND, Buffers, COUNTERS, Deep, FRONT, GUIDE, LIGHT, PIXEL, part};
 use super::{CHUNK, Composition, Filter, FilterStages};
 use crate::kernels::{
-    self, ACCUMULATE, COMPOSE, FILL, FilterCounters, FrontParams, GIVE, ImageParams, PREPARE, RADIANCE,
+    self, ACCUMULATE, COMPOSE, FILL, FilterCounters, FrontParams, GIVE, ImageParams, NOISE, NoiseParams, PREPARE,
+    RADIANCE,
 };
+use crate::noise::NoisePixel;
 use crate::pixel::Direct;
 use crate::weights::Weights;
+
+/// Bytes of a pixel's noise.
+const NOISE_PIXEL: u64 = size_of::<NoisePixel>() as u64;
 
 impl FilterStages {
     /// Records everything from sums to [`radiance`](Self::radiance).
@@ -57,6 +62,22 @@ impl FilterStages {
         })
     }
 
+    /// Records the adding of all layers' radiance and of its variance to `noise`, [`NoisePixel::default`] for each pixel
+    /// before: how wrong the light is that goes into the filter.
+    ///
+    /// # Errors
+    /// Those of the backend; [`Error::UnknownBuffer`] before `prepare`.
+    pub fn noise<B: Backend>(&self, backend: &mut B, noise: BufferId) -> Result<(), Error> {
+        let direct = u32::from(self.settings.direct == Direct::Record);
+        let params = NoiseParams { direct, reserved: [0; 3] };
+        self.buffers(NOISE.name)?.pixels.iter().try_for_each(|sums| {
+            self.by_chunks(|first, count| {
+                let bindings = [part(*sums, PIXEL, first, count), part(noise, NOISE_PIXEL, first, count)];
+                backend.dispatch(&NOISE, bytes_of(&params), &bindings, Items::Count(count))
+            })
+        })
+    }
+
     /// A layer's images of direct and of further light, holes filled, and filtered if asked for.
     fn layer<B: Backend>(
         &self,
@@ -76,8 +97,7 @@ impl FilterStages {
             ];
             backend.dispatch(&PREPARE, bytes_of(&self.scale), &bindings, Items::Count(count))
         })?;
-        let filter = if layer == 0 { &self.settings.further } else { &self.settings.behind };
-        let further = self.passes(backend, buffers, filter, buffers.further, denoise)?;
+        let further = self.passes(backend, buffers, &self.settings.further, buffers.further, denoise)?;
         let direct = match self.settings.direct {
             // Traced light has no holes to fill.
             Direct::Record if denoise && self.settings.direct_filter != Filter::None => {
