@@ -240,3 +240,26 @@ fn faint_reflections_are_rare() {
     let rays = counts.closest as f32 / n as f32;
     assert!((rays - 1.32).abs() < 0.05, "{rays} rays a sample: 0.04 / (1/8) go on");
 }
+
+/// Neighbours whose reflection chance passed by are dark, not without one: a filter counts them.
+#[test]
+fn chains_tell_their_lobe_even_where_chance_ends_them() {
+    for (roughness, expected) in [(0.0, 1.0), (0.75, 0.25), (1.0, VertexRecord::LEAST_SHININESS)] {
+        for layer_count in [2, 4] {
+            let mut scene = SceneData { environment: Some(Environment::Constant([1.0; 3])), ..SceneData::default() };
+            let floor = quad(Vec3::new(-5.0, 0.0, -5.0), 10.0 * Vec3::Z, 10.0 * Vec3::X);
+            add_triangles(&mut scene, &floor, common::mixed::plastic([0.5; 3], roughness));
+            let packed = PackedScene::new(&scene).unwrap();
+            let (view, caster) = (packed.view(), BruteForce::new(&scene));
+            let mut dark = 0;
+            for sample in 0..64 {
+                let mut layers = [PathOutcome::NONE; 4];
+                let ray = ray_towards(Vec3::Y, Vec3::NEG_Y);
+                layers_of(&view, &caster, &ray, DirectSettings::NONE, sample, &mut layers[..layer_count]);
+                assert!((layers[0].shininess - expected).abs() < 1e-6, "{roughness}: {}", layers[0].shininess);
+                dark += u32::from(layers.iter().skip(1).all(|layer| layer.emitted == Vec3::ZERO));
+            }
+            assert!((1..64).contains(&dark), "{dark} of 64 chains ended by chance");
+        }
+    }
+}
