@@ -3,14 +3,16 @@
 //! | kernel | items | table | vertices | counters | estimates |
 //! |---|---|---|---|---|---|
 //! | [`CLEAR`] | cells | written | | | |
+//! | [`FADE`] | cells | sums | | | |
 //! | [`CLAIM`] | vertices | tags | read | | |
 //! | [`DEPOSIT`] | vertices | sums | read | added to | |
 //! | [`LOOKUP`] | vertices | read | read | added to | written |
 //!
 //! The table's binding is a power of two of cells, from [`crate::table::MIN_CELLS`] on; on another size the host bodies
-//! raise [`Status::TABLE_FULL`] and do nothing. The parameter block of all is [`Params`].
+//! raise [`Status::TABLE_FULL`] and do nothing. The parameter block of all is [`Params`], of [`FADE`] [`FadeParams`].
 
 use backend_api::{Access, BindingDecl, Kernel, Launch, Status, Wgsl};
+use bytemuck::{Pod, Zeroable};
 use hashcache_core::counters::Counters;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::EstimateRecord;
@@ -18,6 +20,7 @@ use hashcache_core::wgsl as hc;
 
 use crate::params::Params;
 use crate::table::{CELL_WORDS, Table};
+use crate::temporal::fade_cells;
 use crate::vertex::{add_counters, claim_vertices, deposit_vertices, estimate_vertices};
 
 /// Twins of [`crate::key`] and [`crate::jitter`]; needs the core's hash, jitter, level, pack and record.
@@ -86,6 +89,29 @@ pub static CLEAR: Kernel = Kernel {
     casts_rays: false,
 };
 
+/// Parameters of [`FADE`] (64 bytes).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FadeParams {
+    /// The grid's.
+    pub params: Params,
+    /// Most deposits that a cell keeps.
+    pub most: u32,
+    /// Zero.
+    pub reserved: [u32; 3],
+}
+
+/// Scales each cell to at most so many deposits ([`fade_cells`]); an item is a cell. Host code only: shares of 64-bit sums
+/// need divisions of 96 bits, which WGSL lacks.
+pub static FADE: Kernel = Kernel {
+    name: "hashgrid.fade",
+    bindings: &[TABLE],
+    params_size: size_of::<FadeParams>() as u32,
+    body: fade,
+    wgsl: None,
+    casts_rays: false,
+};
+
 /// Claims a cell for every vertex. Raises [`Status::TABLE_FULL`] when a key was refused.
 pub static CLAIM: Kernel = Kernel {
     name: "hashgrid.claim",
@@ -134,11 +160,15 @@ const _: () =
 /// The launch's table and parameters; raises a flag when they do not fit each other.
 fn table<'a>(launch: &Launch<'a>) -> Option<(Table<'a>, &'a Params)> {
     let params = launch.params::<Params>();
+    Some((table_of(launch, params)?, params))
+}
+
+fn table_of<'a>(launch: &Launch<'a>, params: &Params) -> Option<Table<'a>> {
     let table = Table::new(launch.atomic_u64(0), params).ok();
     if table.is_none() {
         launch.raise(Status::TABLE_FULL);
     }
-    Some((table?, params))
+    table
 }
 
 fn vertices<'a>(launch: &Launch<'a>) -> &'a [VertexRecord] {
@@ -151,6 +181,12 @@ fn clear(launch: &mut Launch<'_>) {
     for slot in launch.first..launch.first + launch.count {
         table.clear_cell(slot);
     }
+}
+
+fn fade(launch: &mut Launch<'_>) {
+    let fade = launch.params::<FadeParams>();
+    let Some(table) = table_of(launch, &fade.params) else { return };
+    fade_cells(&table, launch.first..launch.first + launch.count, fade.most);
 }
 
 fn claim(launch: &mut Launch<'_>) {

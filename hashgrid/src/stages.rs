@@ -9,7 +9,7 @@ use hashcache_core::error::ParamError;
 use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::{CacheStages, EstimateRecord};
 
-use crate::kernels::{CLAIM, CLEAR, DEPOSIT, LOOKUP};
+use crate::kernels::{CLAIM, CLEAR, DEPOSIT, FADE, FadeParams, LOOKUP};
 use crate::layout::Standard;
 use crate::params::Params;
 use crate::table::{CELL_WORDS, Table};
@@ -83,6 +83,17 @@ impl GridStages {
     pub fn clear<B: Backend>(&mut self, backend: &mut B) -> Result<(), Error> {
         let table = self.table_binding(&CLEAR)?;
         backend.dispatch(&CLEAR, bytemuck::bytes_of(&self.params), &[table], Items::Count(self.cells))
+    }
+
+    /// Records that cells forget what is more than `most` deposits: at the start of a frame, so that a change of the light
+    /// fades ([`crate::temporal::FixedCount`]).
+    ///
+    /// # Errors
+    /// Those of the backend, which has to run host code; [`Error::UnknownBuffer`] before `prepare`.
+    pub fn fade<B: Backend>(&mut self, backend: &mut B, most: u32) -> Result<(), Error> {
+        let table = self.table_binding(&FADE)?;
+        let params = FadeParams { params: self.params, most, reserved: [0; 3] };
+        backend.dispatch(&FADE, bytemuck::bytes_of(&params), &[table], Items::Count(self.cells))
     }
 
     /// Records the claims of `count` vertices.

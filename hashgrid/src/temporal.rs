@@ -20,6 +20,8 @@
 //! # Limits today
 //! Rust only: shares of 64-bit sums need divisions of 96 bits, which WGSL lacks.
 
+use core::ops::Range;
+
 use hashcache_core::counters::Counters;
 use hashcache_core::error::ParamError;
 use hashcache_core::exact::MAX_DEPOSITS;
@@ -106,6 +108,20 @@ impl Rule for FixedCount {
     #[inline]
     fn weight(&self, old: u32, _: u32, _: Change) -> u32 {
         old.min(self.most)
+    }
+}
+
+/// Scales what cells hold to at most `most` deposits, before a frame deposits into them: [`FixedCount`] without a frame's
+/// table of its own. Each cell on its own, so that any number of threads may take parts.
+///
+/// # Panics
+/// For slots beyond the table.
+pub fn fade_cells<L: Layout>(table: &Table<'_, L>, slots: Range<u32>, most: u32) {
+    for slot in slots {
+        let sums = table.sums(slot);
+        if sums.count > most {
+            table.set_sums(slot, &sums.part(most));
+        }
     }
 }
 

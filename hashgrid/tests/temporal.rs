@@ -13,7 +13,7 @@ use hashgrid::layout::{Complete, Lasting, Layout, Measured};
 use hashgrid::merge::{Merge, Merged};
 use hashgrid::names::{Naming, name_vertices};
 use hashgrid::sums::Sums;
-use hashgrid::temporal::{Adaptive, Change, FixedCount, Integrate, MovingAverage, Rule, change_vertices};
+use hashgrid::temporal::{Adaptive, Change, FixedCount, Integrate, MovingAverage, Rule, change_vertices, fade_cells};
 use hashgrid::vertex::{claim_vertices, deposit_vertices};
 use hashgrid::{Params, Settings, Table, Word};
 
@@ -79,6 +79,43 @@ fn a_fixed_count_integrates_and_then_fades() {
         let alpha = f64::from(most) / (f64::from(most) + 16.0);
         let left = (4.0 - course[109]) / 3.0;
         assert!((left - alpha.powi(10)).abs() < 1e-5, "{most}: {left}");
+    }
+}
+
+/// One table that is faded before each frame holds what the rule makes of two, whoever fades which part.
+#[test]
+fn fading_is_the_fixed_count_in_place() {
+    let params = Params::new(&Settings::default()).unwrap();
+    for most in [0, 1, 40, 1_000_000] {
+        let words = storage::<Measured>(64, &params);
+        let table = Table::<Measured>::with_layout(&words, &params).unwrap();
+        let mut expected = Sums::default();
+        for (light, n) in step().take(120) {
+            let vertex = VertexRecord {
+                direct: [light as f32; 4],
+                normal: octahedral_encode(Vec3::Y),
+                flags: VertexRecord::VALID,
+                ..Zeroable::zeroed()
+            };
+            thread::scope(|scope| {
+                for part in [0..7, 7..64] {
+                    scope.spawn(|| fade_cells(&table, part, most));
+                }
+            });
+            let vertices = vec![vertex; n as usize];
+            claim_vertices(&table, &params, &vertices);
+            deposit_vertices(&table, &params, &vertices, &mut Counters::default());
+            let slot = (0..64).find(|slot| table.sums(*slot).count > 0).expect("a cell");
+            let fresh = table.sums(slot).minus(&expected.part(expected.count.min(most)));
+            assert_eq!(fresh.count, n);
+            expected = FixedCount { most }.blend(&expected, &fresh, Change::default());
+            assert_eq!(table.sums(slot), expected);
+            assert!(expected.count <= most.saturating_add(n));
+        }
+        let mean = expected.mean_direct(params.quantum())[0];
+        let left = (f64::from(most) / (f64::from(most) + 16.0)).powi(20);
+        let expected = if most < 1_000_000 { 4.0 - 3.0 * left } else { 1.5 };
+        assert!((f64::from(mean) - expected).abs() < 1e-4, "{most}: {mean}, {expected} expected");
     }
 }
 
