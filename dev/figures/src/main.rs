@@ -8,6 +8,7 @@
 mod arguments;
 mod densities;
 mod frontier;
+mod lag;
 mod layers;
 mod leaks;
 mod peer;
@@ -28,8 +29,9 @@ use arguments::Arguments;
 /// A verb: its name, what it prints, and how.
 type Verb = (&'static str, &'static str, fn(&Arguments) -> Result<(), String>);
 
-const VERBS: [Verb; 8] = [
+const VERBS: [Verb; 9] = [
     ("frontier", "first and last frame of a move beside path tracing with Open Image Denoise", frontier::run),
+    ("lag", "what is left of the light of before after the lights have changed, by what cells keep", lag::run),
     ("leaks", "light through a thin wall, by its thickness, with each remedy on and off", leaks::run),
     (
         "layers",

@@ -1,7 +1,7 @@
 //! Frames of a move.
 
 use hashcache::scene::CameraPath;
-use hashcache::{FrameOutput, Preview, Stats};
+use hashcache::{FrameOutput, Image, Preview, Stats};
 
 /// What came of some frames.
 pub struct Frames {
@@ -22,6 +22,21 @@ pub fn along(preview: &Preview, path: &CameraPath, first: u32) -> Result<Frames,
 /// Renders `count` frames from the camera that the settings name.
 pub fn at_rest(preview: &Preview, count: u32) -> Result<Frames, String> {
     session(preview, (0..count).map(|_| (None, 1.0)))
+}
+
+/// All pictures from the camera that the settings name, with the light scaled by each factor for so many frames.
+pub fn lit(preview: &Preview, lights: &[(f32, u32)]) -> Result<Vec<Image>, String> {
+    let say = |error: hashcache::Error| error.to_string();
+    let mut backend = preview.backend().map_err(say)?;
+    let mut session = preview.session(&mut backend).map_err(say)?;
+    let mut images = Vec::new();
+    for &(factor, frames) in lights {
+        session.scale_light(factor).map_err(say)?;
+        for _ in 0..frames {
+            images.push(session.frame(preview.camera(), &mut |_| ()).map_err(say)?.image);
+        }
+    }
+    Ok(images)
 }
 
 fn session(
