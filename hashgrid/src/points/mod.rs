@@ -31,7 +31,8 @@
 //! # Ok::<(), hashcache_core::error::ParamError>(())
 //! ```
 //!
-//! `examples/points.rs` is ambient occlusion by these points in one short program.
+//! `examples/points.rs` is ambient occlusion by these points in one short program, `ambient_occlusion.rs` of the `hashcache`
+//! crate the same in a scene from a file.
 //!
 //! # How the points nest
 //! Each cube *picks* one of its eight octants by a hash. A cube's point lies in the octant it picked, and is the point
