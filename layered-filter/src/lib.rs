@@ -55,7 +55,7 @@
 //!   throughput from the camera, so layers only add up.
 //!
 //! Start at [`layers`] for plain functions over slices, `FilterStages` for launchers; implement [`Denoiser`] to bring a
-//! filter of your own.
+//! filter of your own. `examples/mirror.rs` sends a renderer's own layers through the filter.
 //!
 //! # Features
 //! - `alloc`: nothing here yet; passed on to the core.
