@@ -7,6 +7,7 @@
 //! | [`FILL`] | pixels | guides, image | image; counters | [`ImageParams`] + [`Weights`] |
 //! | [`BILATERAL`], [`ATROUS`] | pixels | guides, image | image | [`ImageParams`] + the filter |
 //! | [`COMPOSE`] | pixels | pixels, direct, further | radiance | none |
+//! | [`NOISE`] | pixels | pixels | noise (added to) | [`NoiseParams`] |
 //! | [`CLEAR`] | runs of 16 bytes | | zeros | none |
 //!
 //! Pictures of several layers, deepest first:
@@ -23,6 +24,7 @@
 //! dispatches over a part of the pixels. [`pass_kernel`] makes a kernel of any [`Denoiser`] that is [`Pod`].
 
 mod behind;
+mod noise;
 
 use core::sync::atomic::Ordering::Relaxed;
 
@@ -43,6 +45,7 @@ use crate::pixel::{GatherParams, LayerPixel};
 use crate::weights::Weights;
 
 pub use behind::{ACCUMULATE, CLEAR, FRONT, FrontParams, GATHER_FRONT, GIVE, RADIANCE};
+pub use noise::{NOISE, NoiseParams};
 
 /// What a frame's pixels held and what became of their holes (48 bytes), added up over all layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]

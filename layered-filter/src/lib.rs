@@ -37,6 +37,7 @@
 //! # Concepts
 //! - **Sums** ([`LayerPixel`]): what a pixel's samples told, added up: illumination times throughput, throughput, guides,
 //!   counts. The ratio of the first two is the pixel's *illumination*, light without albedo.
+//! - **Noise** ([`NoisePixel`]): the standard error of a pixel before the filter, from the same sums.
 //! - **Guides** ([`GuideRecord`], [`PreparedGuide`]): the vertex that a pixel shows in one layer: normal, place, lengths,
 //!   albedo, shininess.
 //! - **Weights** ([`WeightSettings`]): how much one pixel's light says about another's, a product of terms that fall with the
@@ -71,6 +72,7 @@
 //! | [`Behind`], with several layers | 32 |
 //! | [`PreparedGuide`], one a layer | 64 |
 //! | [`Light`], two an image for passes to read and write in turn | 16 |
+//! | [`NoisePixel`], where errors are asked for | 8 |
 //!
 //! `FilterStages` holds 256 bytes a pixel, 272 with direct light apart: 1920×1080 pixels are 531 MB or 564 MB. Four
 //! layers behind mirrors and glass are 672 bytes, 848 where some lobes are rough.
@@ -112,6 +114,7 @@ pub mod lab;
 pub mod layers;
 pub mod log;
 mod mean;
+pub mod noise;
 pub mod pixel;
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
 mod stages;
@@ -124,6 +127,7 @@ pub use front::{Behind, Carry, FrontPixel};
 pub use guide::{GuideRecord, GuideScale, PreparedGuide};
 pub use image::{HOLE, Light, View};
 pub use layers::{Layer, Scratch, compose_layers, compose_screen};
+pub use noise::NoisePixel;
 pub use pixel::{Direct, GatherParams, LayerPixel};
 #[cfg(all(feature = "kernels", target_has_atomic = "64"))]
 pub use stages::{Composition, Filter, FilterSettings, FilterStages, MAX_LAYERS};
