@@ -1,12 +1,13 @@
 //! INTEGRATION.md says what frames do: the buffers and passes of its tables are those of frames that are run here.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::Path;
 use std::sync::LazyLock;
 
 use backend_api::{Access, Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Primitive, Status, Ticket};
 use backend_cpu::CpuBackend;
 use hashcache::choice::{CacheKind, DirectLight, FilterKind};
-use hashcache::{Preview, Settings, Stats};
+use hashcache::{CacheStats, Preview, Settings, Stats};
 use hashcache_core::geometry::Geometry;
 use hashcache_core::octree::kernels::REKEY;
 use hashcache_core::stages::CastsRays;
@@ -281,8 +282,30 @@ fn the_worked_example_is_what_a_frame_takes() {
         for figure in [megabytes(total), megabytes(own.bytes)] {
             assert!(example.contains(&figure), "{cache}: {figure} is not in: {example}");
         }
+        is_healthy(&own);
         assert!(cache == "grid" || example.contains(&format!("{} cells", own.cells)), "{} cells", own.cells);
     }
+}
+
+/// Whether a cache's figures are in the guide's ranges.
+fn is_healthy(cache: &CacheStats) {
+    let energy = cache.energy;
+    assert!(cache.hits as f64 > 0.98 * cache.lookups as f64, "{cache:?}");
+    assert!(energy.lost < 1e-4 * energy.recorded && cache.insert_failures + cache.non_finite == 0, "{cache:?}");
+    assert!((energy.recorded - energy.stored - energy.lost).abs() <= 1e-12 * energy.recorded, "{cache:?}");
+    let (probes, bytes) = if cache.kind == "grid" { (1.0..2.0, 128.0..f64::MAX) } else { (3.0..4.0, 49.0..52.0) };
+    assert!(probes.contains(&cache.mean_probes) && bytes.contains(&cache.bytes_per_cell), "{cache:?}");
+}
+
+#[test]
+fn files_that_the_guide_names_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let files: Vec<_> = GUIDE
+        .lines()
+        .flat_map(quoted)
+        .filter(|name| name.split_once('.').is_some_and(|(_, end)| end == "rs"))
+        .collect();
+    assert!(files.len() > 5 && files.iter().all(|file| root.join(file).is_file()), "{files:?}");
 }
 
 #[test]

@@ -20,6 +20,14 @@ pub fn steps(require_gpu: bool) -> Vec<Step> {
         &["run", "--quiet", "-p", "hashcache-hashgrid", "--no-default-features", "--example", "embed"],
         "The embedding example of hashgrid fails without default features.",
     ));
+    for [package, example] in
+        [["hashcache-hashgrid", "points"], ["hashcache-layered-filter", "mirror"], ["hashcache", "ambient_occlusion"]]
+    {
+        steps.push(Step::cargo(
+            &["run", "--quiet", "-p", package, "--example", example],
+            "An example that INTEGRATION.md names fails.",
+        ));
+    }
     if !require_gpu {
         steps.push(Step::new("look for a Vulkan driver", "", || {
             if !has_vulkan() {
