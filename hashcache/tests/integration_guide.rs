@@ -31,7 +31,9 @@ mod names {
     use hashgrid::validate::Summary;
     use hashgrid::{GridStages, OwnedGrid, Table, Word, levels, names, points, vertex};
     use layered_filter::kernels::FilterCounters;
-    use layered_filter::{Behind, Denoiser, FilterStages, FrontPixel, LayerPixel, Light, PreparedGuide, filter};
+    use layered_filter::{
+        Behind, Denoiser, FilterStages, FrontPixel, LayerPixel, Light, NoisePixel, PreparedGuide, filter,
+    };
     use pt_integrator::path::{RayCounts, trace_path_vertices};
 }
 
