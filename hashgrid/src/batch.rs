@@ -3,13 +3,14 @@
 use hashcache_core::record::VertexRecord;
 
 use crate::key::{Key, fingerprint, key};
+use crate::lanes::keys;
 use crate::layout::{Keep, Layout};
 use crate::params::Params;
 use crate::table::{Found, Table};
 use crate::tag::{EMPTY, NEW, tag};
 
 /// Vertices whose slots are asked for at once. A core keeps 10 to 16 misses in flight; that there are several times as
-/// many vertices shares the wait for the longest probe sequence, a miss a round. The lists take 4 to 6 KB of stack.
+/// many vertices shares the wait for the longest probe sequence, a miss a round. The lists take 10 to 12 KB of stack.
 pub(crate) const BATCH: usize = 64;
 
 /// Where a vertex's probe sequence begins: home slot and fingerprint, and what the layout keeps of the key.
@@ -71,8 +72,9 @@ pub(crate) fn find_batch<L: Layout>(
     let (mut heads, mut probes) = ([0; BATCH], [0; BATCH]);
     // The sequences that go on.
     let (mut open, mut count) = ([0; BATCH], 0);
-    for (i, (to, vertex)) in all.iter_mut().zip(vertices).enumerate() {
-        let Some(start) = start(table, params, vertex, salt) else { continue };
+    let keys = keys(params, vertices, salt);
+    for (i, (to, key)) in all.iter_mut().zip(&keys).enumerate().take(vertices.len()) {
+        let Some(start) = key.as_ref().map(|key| Start::of(table, key)) else { continue };
         (slots[i], fingerprints[i]) = (start.slot, start.fingerprint);
         open[count] = i;
         count += 1;

@@ -95,14 +95,10 @@ impl Key {
 #[inline]
 pub fn key(params: &Params, vertex: &VertexRecord, salt: u32) -> Option<Key> {
     let [x, y, z, footprint] = vertex.position_footprint.map(f32::to_bits);
-    let largest = (x & MAGNITUDE).max(y & MAGNITUDE).max(z & MAGNITUDE);
-    if largest >= INFINITE || footprint & MAGNITUDE >= INFINITE {
+    if !has_key(params, [x, y, z], footprint) {
         return None;
     }
-    let lowest = lowest_level(largest, params.base_exponent());
-    if lowest > MAX_LEVEL as i32 {
-        return None;
-    }
+    let lowest = lowest_level(largest_magnitude([x, y, z]), params.base_exponent());
     let [level, size] = footprint_level(params.footprint_in_cells(footprint), lowest);
 
     let random = pcg3d([vertex.seed, params.seed(), salt]);
@@ -118,6 +114,22 @@ pub fn key(params: &Params, vertex: &VertexRecord, salt: u32) -> Option<Key> {
     let coordinate = |x: u32, o: i32| (fixed(x, scale) + rescale(o, there - level) + shift) >> CELL_BITS;
     let cell = [coordinate(x, offset[0]), coordinate(y, offset[1]), coordinate(z, offset[2])];
     Some(Key { cell, attributes: there as u32 | (bin << 8) })
+}
+
+/// Whether a vertex with such bits of position and footprint has a key.
+#[inline]
+pub(crate) const fn has_key(params: &Params, place: [u32; 3], footprint: u32) -> bool {
+    let largest = largest_magnitude(place);
+    let lowest = lowest_level(largest, params.base_exponent());
+    largest < INFINITE && footprint & MAGNITUDE < INFINITE && lowest <= MAX_LEVEL as i32
+}
+
+/// The bits of the largest coordinate, without its sign.
+#[inline]
+pub(crate) const fn largest_magnitude(place: [u32; 3]) -> u32 {
+    let [x, y, z] = [place[0] & MAGNITUDE, place[1] & MAGNITUDE, place[2] & MAGNITUDE];
+    let first = if x > y { x } else { y };
+    if first > z { first } else { z }
 }
 
 /// A float's bits without the sign.

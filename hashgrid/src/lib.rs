@@ -97,6 +97,7 @@ pub mod few;
 pub mod jitter;
 pub mod key;
 pub mod keyed;
+mod lanes;
 pub mod layout;
 pub mod levels;
 pub mod lobe;
