@@ -47,8 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
                 let left: Vec<f64> = ways.map(|way| 1.0 - way).collect();
                 let within = left.iter().position(|left| *left <= 0.1);
                 let [first, last] = [after.first(), after.last()].map(|image| {
-                    let score = Score::of(image.ok_or("there is no frame")?, &reference)?;
-                    Ok::<_, String>(table::error(score.relmse))
+                    Score::relmse(image.ok_or("there is no frame")?, &reference).map(table::error)
                 });
                 table::row(&[
                     name.clone(),
