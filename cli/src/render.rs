@@ -2,7 +2,6 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use hashcache::choice::{CacheKind, FilterKind};
 use hashcache::scene::View;
 use hashcache::{Preview, Settings};
 
@@ -14,9 +13,9 @@ use crate::progress::Display;
 /// Renders and writes all files.
 pub fn run(args: &Render) -> Result<(), Failure> {
     let settings = args.settings.settings()?;
-    if args.aov.is_some() && settings.cache == CacheKind::None && settings.filter == FilterKind::None {
+    if args.aov.is_some() && !settings.has_aovs() {
         return Err(Failure::usage(
-            "--aov does not go with cache=none and filter=none, which keep nothing but radiance; use a cache or a filter",
+            "--aov does not go with cache=none and filter=none, which keep nothing but radiance; use a cache or a filter, path.moments=on or check.fraction",
         ));
     }
     let outputs = Outputs::check(&args.scene, &args.outputs, args.stats.as_deref(), args.aov.as_deref(), &settings)?;

@@ -101,6 +101,15 @@ choice! {
     }
 }
 choice! {
+    /// Whether sums of whole paths also tell how these scatter.
+    Moments {
+        /// No.
+        Off = "off",
+        /// Yes.
+        On = "on",
+    }
+}
+choice! {
     /// How the CPU backend runs kernels.
     Launcher {
         /// On several threads.

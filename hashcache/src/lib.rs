@@ -17,13 +17,15 @@
 //! - [`Preview`]: a loaded scene with its plan. [`Preview::render`] runs it on the launcher that the settings name,
 //!   [`Preview::render_on`] on any backend that casts rays.
 //! - [`Session`]: frames that share the scene's buffers, the cache and, while the camera rests, the pixels' sums.
-//! - [`Stats`]: what it took, in the JSON form that scripts rely on.
+//! - [`Stats`]: what it took, in the JSON form that scripts rely on; with [`StderrStats`] and, on demand, [`CheckStats`]:
+//!   how wrong the picture is.
 //!
 //! # Features
 //! `cpu` (default): the serial and rayon launchers. Without it, bring a backend.
 //!
 //! # Memory
-//! Beside the scene, a pixel: 32 bytes of film; with a cache or a filter also
+//! Beside the scene, a pixel: 32 bytes of film, 48 with `path.moments`; 96 a pixel that is checked; with a cache or a
+//! filter also
 //! - 96 of records a stored vertex of its path; 2¹⁹ records at most, except where the paths are shown themselves: without
 //!   a cache, and in scenes without gloss at `cache.crf` 1;
 //! - 128 of a vertex that is only looked at and its estimate, a layer; for 2¹⁹ vertices at most;
@@ -42,9 +44,11 @@
 //! full.
 //!
 //! # Sources
-//! Roth et al. 2020 (octree, reconstruction, layered filter); Binder et al. 2021 (path space filtering in a hash table).
+//! Roth et al. 2020 (octree, reconstruction, layered filter); Binder et al. 2021 (path space filtering in a hash table);
+//! Cochran 1977, Horvitz & Thompson 1952, Satterthwaite 1946 (errors by a sample of pixels).
 #![forbid(unsafe_code)]
 
+mod accuracy;
 pub mod choice;
 pub mod clock;
 mod emission;
@@ -63,6 +67,7 @@ mod settings;
 mod stats;
 mod tone;
 
+pub use accuracy::{CheckStats, Interval, StderrStats};
 pub use error::Error;
 pub use feature::{Feature, FeatureSet, Saving};
 pub use image_file::Image;

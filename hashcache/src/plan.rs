@@ -7,7 +7,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::choice::{CacheKind, Choice as _, DirectLight, FilterKind};
+use crate::choice::{CacheKind, Choice as _, DirectLight};
 use crate::feature::Saving;
 use crate::needs::Needs;
 use crate::settings::Settings;
@@ -38,7 +38,7 @@ pub struct FramePlan {
     pub layers: u32,
     /// Whether the first vertices of a frame's last paths are also samples of the picture.
     pub reuses_paths: bool,
-    /// What the scene does without and the frame leaves out.
+    /// What the scene or the settings do without and the frame leaves out.
     pub saved: Vec<Saving>,
 }
 
@@ -50,7 +50,7 @@ impl FramePlan {
         let mut stages = Vec::new();
         let mut push = |stage, why: String| stages.push(Stage { stage, why });
         let cache = settings.cache;
-        if cache == CacheKind::None && settings.filter == FilterKind::None {
+        if settings.is_plain() {
             push("trace", why.film());
             push("resolve", "the film's sums become radiance".to_owned());
         } else {
@@ -72,6 +72,9 @@ impl FramePlan {
             }
             push("gather", why.gather());
             push("filter", why.filter());
+        }
+        if settings.check_fraction > 0.0 {
+            push("check", why.check(pixels));
         }
         let saved = saving::without(&needs, settings, pixels);
         // One path a pixel, and what it keeps is what a look at the pixel would keep.

@@ -126,7 +126,10 @@ impl<'a, B: CastsRays> Session<'a, B> {
     /// `normal`, `depth`, `emission`, light without albedo by layer and source (`layer0_direct`, `layer0_cached`), and
     /// numbers of samples, of holes, and of the samples behind the cache's answers; of further layers all but the numbers
     /// (`layer1_albedo` and so on). Numbers stand in all three channels. Only vertices that scatter diffusely count.
-    /// None with `cache=none` and `filter=none`, which keep nothing but radiance.
+    /// With them the standard error of each pixel's luminance before the filter, `stderr`, +∞ where it is not known; and with
+    /// `check.fraction` the picture less the paths of the check, `check`, and the number of these paths, `check_samples`.
+    /// With `cache=none` and `filter=none`, which keep nothing but radiance, there is only `stderr`, by `path.moments`, and
+    /// the check.
     ///
     /// # Errors
     /// Those of the backend, with its name.
@@ -141,6 +144,7 @@ impl<'a, B: CastsRays> Session<'a, B> {
     pub fn stats(&mut self) -> Result<Stats, Error> {
         let name = self.backend.name();
         let cache = self.pipeline.cache_stats(self.backend, self.preview).map_err(|error| error.told(name))?;
-        Ok(Stats { cache, peak_rss_bytes: clock::peak_rss_bytes(), ..self.stats.clone() })
+        let (stderr, check) = self.pipeline.accuracy(self.backend).map_err(|error| error.told(name))?;
+        Ok(Stats { cache, stderr, check, peak_rss_bytes: clock::peak_rss_bytes(), ..self.stats.clone() })
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use crate::accuracy::{CheckStats, StderrStats};
 use crate::clock::Elapsed;
 use crate::feature::Saving;
 use crate::needs::Needs;
@@ -34,6 +35,10 @@ pub struct Stats {
     pub rays: Rays,
     /// The cache's figures; `None` without a cache.
     pub cache: Option<CacheStats>,
+    /// Standard errors of the last frame's pixels; `None` where nothing tells them.
+    pub stderr: Option<StderrStats>,
+    /// What a check of some pixels tells of the last frame; `None` without `check.fraction`.
+    pub check: Option<CheckStats>,
     /// The most memory the process held in bytes, where the system tells.
     pub peak_rss_bytes: Option<u64>,
     /// Paths traced for each pixel.
@@ -60,7 +65,7 @@ pub struct Times {
 }
 
 /// Numbers of rays.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Rays {
     /// Closest-hit rays.
     pub closest: u64,

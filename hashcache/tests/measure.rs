@@ -126,7 +126,7 @@ fn what_is_forced_is_not_left_out() {
     let some = names(&[("needs.force", "coat,layers")]);
     let left: Vec<_> = all.iter().copied().filter(|name| !["coat", "layers"].contains(name)).collect();
     assert!(all.len() == left.len() + 2 && some == left, "{some:?} of {all:?}");
-    assert_eq!(names(&[("needs.force", "all")]), ["alpha_masks", "second_uv"]);
+    assert_eq!(names(&[("needs.force", "all")]), ["alpha_masks", "second_uv", "check"]);
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn a_feature_costs_less_than_a_sample() {
     let mut backend = preview.backend().unwrap();
     let measured = preview.measured_plan(&mut backend).unwrap();
     for saving in &measured.saved {
-        let is_loop = !["layers", "alpha_masks", "second_uv"].contains(&saving.feature);
+        let is_loop = !["layers", "alpha_masks", "second_uv", "check"].contains(&saving.feature);
         assert_eq!(saving.ns_per_sample.is_some(), is_loop, "{saving:?}");
         // Each is a small part of the loop; half a sample also holds what noise a busy machine adds to the fastest run.
         let most = 0.5 * sample_ns;

@@ -18,11 +18,11 @@ use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::from_record;
 use hashcache_core::traits::{RayCaster, Sampler};
 use pt_integrator::camera::CameraRays;
-use pt_integrator::film::FilmPixel;
+use pt_integrator::film::{FilmPixel, MomentPixel, PairedPixel};
 use pt_integrator::glam::Vec3;
 use pt_integrator::kernels::{
-    FIRST_VERTICES, FirstParams, RESOLVE, TRACE_FILM, TRACE_RECORDS, TRACE_VISIBLE, TraceParams, VisibleParams,
-    trace_records, trace_visible,
+    FIRST_VERTICES, FirstParams, RESOLVE, RESOLVE_MOMENTS, TRACE_FILM, TRACE_MOMENTS, TRACE_PAIRS, TRACE_RECORDS,
+    TRACE_VISIBLE, TraceParams, VisibleParams, trace_records, trace_visible,
 };
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{self, MAX_LAYERS, PathOutcome, PathSettings, RayCounts, Strategy, VisibleSettings};
@@ -138,6 +138,33 @@ fn film_is_the_same_for_every_cut() {
     let mut film = vec![FilmPixel::default(); 16];
     trace(&TRACE_FILM, 9.0, &batch, &mut film, 5);
     assert_eq!(film, whole[40..56]);
+}
+
+/// Films that know more hold the same radiance.
+#[test]
+fn moments_and_pairs_are_films() {
+    let mut film = vec![FilmPixel::default(); PIXELS as usize];
+    trace(&TRACE_FILM, 9.0, &params(6, 0), &mut film, 64);
+    let mut moments = vec![MomentPixel::default(); PIXELS as usize];
+    trace(&TRACE_MOMENTS, 9.0, &params(6, 0), &mut moments, 7);
+    assert!(moments.iter().zip(&film).all(|(with, pixel)| with.film == *pixel));
+    let mut texels = vec![[0.0_f32; 4]; PIXELS as usize];
+    run(&RESOLVE_MOMENTS, &[], &[cast_slice(&moments)], cast_slice_mut(&mut texels), None, None, 17);
+    assert!(
+        texels.iter().zip(&film).all(|(texel, pixel)| texel[..3] == pixel.mean().to_array()[..3] && texel[3] > 0.0)
+    );
+
+    // Pixels of any order; the first half is a film by the same seed, the second by the next one.
+    let chosen = [40, 3, 107, 0];
+    let mut pairs = chosen.map(PairedPixel::new);
+    let (counts, status) = trace(&TRACE_PAIRS, 9.0, &params(6, 0), &mut pairs, 3);
+    assert_eq!((counts.paths, status), (2 * 6 * 4, Status::OK));
+    let mut next = vec![FilmPixel::default(); PIXELS as usize];
+    trace(&TRACE_FILM, 9.0, &TraceParams { seed: 6, ..params(6, 0) }, &mut next, 64);
+    for (pair, pixel) in pairs.iter().zip(chosen) {
+        assert_eq!(pair.halves, [film[pixel as usize], next[pixel as usize]]);
+        assert!(pair.pixel == pixel && pair.means()[0] != pair.means()[1]);
+    }
 }
 
 #[test]

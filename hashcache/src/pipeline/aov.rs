@@ -2,7 +2,7 @@
 
 use hashcache_core::glam::Vec3;
 use layered_filter::image::is_hole;
-use layered_filter::{LayerPixel, Light, MAX_LAYERS};
+use layered_filter::{LayerPixel, Light, MAX_LAYERS, NoisePixel};
 
 use crate::image_file::Image;
 
@@ -64,6 +64,12 @@ pub(super) fn pictures(width: u32, height: u32, layers: &[Vec<u8>]) -> Vec<(&'st
         }
     }
     pictures
+}
+
+/// Each pixel's standard error; +∞ where it is not known.
+pub(super) fn standard_errors(width: u32, height: u32, noise: &[NoisePixel]) -> (&'static str, Image) {
+    let pixels = noise.iter().map(|pixel| [pixel.standard_error(); 3]).collect();
+    ("stderr", Image { width, height, pixels })
 }
 
 fn vec3(v: &[f32; 4]) -> Vec3 {

@@ -1,9 +1,9 @@
 //! Frames with a cache or a filter: vertices in, each pixel's light out.
 
-use backend_api::{Binding, Items};
+use backend_api::{Backend, Binding, Items};
 use hashcache_core::record::VertexRecord;
 use hashcache_core::stages::{CastsRays, EstimateRecord};
-use layered_filter::FilterStages;
+use layered_filter::{FilterStages, NoisePixel};
 use pt_integrator::camera::CameraRays;
 use pt_integrator::kernels::{FIRST_VERTICES, FirstParams, trace_records};
 use pt_integrator::path::PathSettings;
@@ -227,6 +227,17 @@ impl Cached {
     pub fn sums<B: CastsRays>(&self, backend: &mut B) -> Result<Vec<Vec<u8>>, Error> {
         let sums = (0..self.layers).filter_map(|layer| self.filter.sums(layer));
         sums.map(|sums| Ok(super::read(backend, sums)?)).collect()
+    }
+
+    /// Each pixel's error before the filter.
+    pub fn noise<B: CastsRays>(&self, backend: &mut B, pixels: u32) -> Result<Vec<NoisePixel>, Error> {
+        let noise = create(backend, "noise", u64::from(pixels) * size_of::<NoisePixel>() as u64)?;
+        self.filter.noise(backend, noise.buffer)?;
+        backend.submit()?;
+        backend.statuses()?;
+        let bytes = super::read(backend, noise)?;
+        Backend::destroy(backend, noise.buffer)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
     pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {

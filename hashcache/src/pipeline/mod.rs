@@ -5,18 +5,21 @@ pub(crate) mod batches;
 mod buffers;
 mod cache;
 mod cached;
+mod check;
+mod film;
 mod look;
 pub(crate) mod measure;
 
-use backend_api::{Backend, Binding, Error as BackendError, Items, Primitive};
+use backend_api::{Backend, Binding, Error as BackendError, Primitive};
 use hashcache_core::stages::CastsRays;
+use layered_filter::NoisePixel;
 use pt_integrator::camera::CameraRays;
-use pt_integrator::film::FilmPixel;
-use pt_integrator::kernels::{RESOLVE, TRACE_FILM, TraceParams};
+use pt_integrator::kernels::TraceParams;
 use pt_integrator::packed::PackedScene;
 use pt_integrator::path::{PathSettings, RayCounts};
 use pt_integrator::scene::Camera;
 
+use crate::accuracy::{CheckStats, StderrStats, standard_errors};
 use crate::choice::{CacheKind, FilterKind};
 use crate::error::Error as Told;
 use crate::image_file::Image;
@@ -27,8 +30,10 @@ use crate::stats::{CacheStats, Rays};
 pub(crate) use buffers::{Work, read};
 use buffers::{create, part, upload_all};
 use cached::Cached;
+use check::Check;
+use film::Film;
 
-/// Paths of one submission without a cache: often enough to show progress, seldom enough to cost nothing.
+/// Whole paths of one submission: often enough to show progress, seldom enough to cost nothing.
 const PATHS_PER_SUBMIT: u64 = 1 << 21;
 
 /// What can go wrong in a frame.
@@ -66,8 +71,9 @@ impl Error {
 #[derive(Debug)]
 pub(crate) struct Pipeline {
     resident: Resident,
-    film: Binding,
+    film: Film,
     cached: Option<Cached>,
+    check: Option<Check>,
     /// The camera of the last frame.
     camera: Option<Camera>,
     /// Points of a pixel's sequence that earlier frames took.
@@ -92,11 +98,12 @@ impl Pipeline {
         backend.set_geometry(&preview.geometry())?;
         let pixels = preview.camera().pixels();
         let resident = Resident::new(backend, preview.packed(), pixels)?;
-        let film = create(backend, "film", u64::from(pixels) * size_of::<FilmPixel>() as u64)?;
         let settings = preview.settings();
+        let film = Film::new(backend, settings, pixels)?;
         let plain = settings.cache == CacheKind::None && settings.filter == FilterKind::None;
         let cached = if plain { None } else { Some(Cached::new(backend, preview, &resident)?) };
-        Ok(Self { resident, film, cached, camera: None, traced: 0, light: 1.0 })
+        let check = Check::new(backend, preview)?;
+        Ok(Self { resident, film, cached, check, camera: None, traced: 0, light: 1.0 })
     }
 
     /// One frame: `spp` more samples a pixel. Sums start anew where the camera moved.
@@ -112,17 +119,17 @@ impl Pipeline {
         if moved {
             if self.camera.is_some() {
                 work.stage(backend, "resolve", |backend| {
-                    backend.primitive(Primitive::Fill { buffer: self.film.buffer, word: 0 })
+                    backend.primitive(Primitive::Fill { buffer: self.film.sums().buffer, word: 0 })
                 })?;
             }
             self.camera = Some(*camera);
         }
         let before = self.resident.ray_counts(backend)?;
-        let pass = Pass { resident: self.resident, film: self.film, camera, settings: preview.settings() };
+        let pass = Pass { resident: self.resident, camera, settings: preview.settings() };
         let (image, used) = match &mut self.cached {
             None => {
-                paths(backend, &pass, self.traced, work, progress)?;
-                (pass.resolve(backend, work)?, pass.settings.spp)
+                self.film.trace(backend, &pass, self.traced, work, progress)?;
+                (self.film.resolve(backend, &pass, work)?, pass.settings.spp)
             }
             Some(cached) => {
                 let image = cached.frame(backend, &pass, preview, moved, self.traced, work, progress)?;
@@ -138,14 +145,21 @@ impl Pipeline {
             shadow_traced: counts.shadow_traced - before.shadow_traced,
         };
         work.non_finite = counts.non_finite - before.non_finite;
+        if let Some(check) = &mut self.check {
+            check.frame(backend, &pass, moved, &image, work, progress)?;
+        }
         Ok(image)
     }
 
     /// The last frame's picture by the filter's strength in other settings; `None` before a frame and without sums.
     pub fn filtered<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<Option<Image>, Error> {
         let (Some(cached), Some(camera)) = (&mut self.cached, &self.camera) else { return Ok(None) };
-        let pass = Pass { resident: self.resident, film: self.film, camera, settings };
-        cached.picture(backend, &pass, &mut Work::default()).map(Some)
+        let pass = Pass { resident: self.resident, camera, settings };
+        let image = cached.picture(backend, &pass, &mut Work::default())?;
+        if let Some(check) = &mut self.check {
+            check.compare(backend, &pass, &image)?;
+        }
+        Ok(Some(image))
     }
 
     /// Forgets cached light.
@@ -164,22 +178,42 @@ impl Pipeline {
         self.light = factor;
         // The next frame starts new sums even if the camera rests.
         self.camera = None;
-        backend.primitive(Primitive::Fill { buffer: self.film.buffer, word: 0 })?;
+        backend.primitive(Primitive::Fill { buffer: self.film.sums().buffer, word: 0 })?;
         backend.submit()?;
         self.wipe(backend)
     }
 
-    /// Pictures beside the picture; none without sums.
+    /// Each pixel's error as far as its sums tell; `None` where none are kept.
+    fn noise<B: CastsRays>(&mut self, backend: &mut B) -> Result<Option<Vec<NoisePixel>>, Error> {
+        match &self.cached {
+            None => self.film.noise(backend, self.resident.pixels),
+            Some(cached) => cached.noise(backend, self.resident.pixels).map(Some),
+        }
+    }
+
+    /// How wrong the last frame is, as far as its sums and the check tell.
+    pub fn accuracy<B: CastsRays>(
+        &mut self,
+        backend: &mut B,
+    ) -> Result<(Option<StderrStats>, Option<CheckStats>), Error> {
+        let noise = self.noise(backend)?;
+        Ok((noise.as_deref().map(standard_errors), self.check.as_ref().and_then(Check::figures)))
+    }
+
+    /// Pictures beside the picture; none without sums and check.
     pub fn aovs<B: CastsRays>(
         &mut self,
         backend: &mut B,
         preview: &Preview,
     ) -> Result<Vec<(&'static str, Image)>, Error> {
         let (width, height) = preview.size();
-        match &self.cached {
-            None => Ok(Vec::new()),
-            Some(cached) => Ok(aov::pictures(width, height, &cached.sums(backend)?)),
-        }
+        let mut pictures = match &self.cached {
+            None => Vec::new(),
+            Some(cached) => aov::pictures(width, height, &cached.sums(backend)?),
+        };
+        pictures.extend(self.noise(backend)?.map(|noise| aov::standard_errors(width, height, &noise)));
+        pictures.extend(self.check.iter().flat_map(|check| check.pictures(width, height)));
+        Ok(pictures)
     }
 
     /// The cache's figures.
@@ -225,7 +259,6 @@ impl Resident {
 /// What the passes of one frame share.
 struct Pass<'a> {
     resident: Resident,
-    film: Binding,
     camera: &'a Camera,
     settings: &'a Settings,
 }
@@ -247,18 +280,6 @@ impl Pass<'_> {
         }
     }
 
-    /// The film's mean as a picture.
-    fn resolve<B: Backend>(&self, backend: &mut B, work: &mut Work) -> Result<Image, Error> {
-        let pixels = self.resident.pixels;
-        let radiance = create(backend, "radiance", u64::from(pixels) * 16)?;
-        work.stage(backend, "resolve", |backend| {
-            backend.dispatch(&RESOLVE, &[], &[self.film, radiance], Items::Count(pixels))
-        })?;
-        let bytes = read(backend, radiance)?;
-        backend.destroy(radiance.buffer)?;
-        Ok(self.picture(&bytes))
-    }
-
     /// A picture from texels of four floats.
     fn picture(&self, bytes: &[u8]) -> Image {
         let pixels = bytes.chunks_exact(16).map(|texel| {
@@ -267,29 +288,4 @@ impl Pass<'_> {
         });
         Image { width: self.camera.width, height: self.camera.height, pixels: pixels.collect() }
     }
-}
-
-/// Whole paths into the film.
-fn paths<B: CastsRays>(
-    backend: &mut B,
-    pass: &Pass<'_>,
-    traced: u32,
-    work: &mut Work,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<(), Error> {
-    let (total, pixels) = (pass.settings.spp, pass.resident.pixels);
-    let at_once = (PATHS_PER_SUBMIT / u64::from(pixels)).clamp(1, u64::from(total)) as u32;
-    let mut done = 0;
-    while done < total {
-        let samples = at_once.min(total - done);
-        let params = pass.trace_params(0, traced.wrapping_add(done), samples);
-        let Resident { triangles, scene, texels, counters, .. } = pass.resident;
-        let bindings = [triangles, scene, texels, pass.film, counters];
-        work.stage(backend, "trace", |backend| {
-            backend.dispatch(&TRACE_FILM, bytemuck::bytes_of(&params), &bindings, Items::Count(pixels))
-        })?;
-        done += samples;
-        progress(Progress { stage: "trace", done, total });
-    }
-    Ok(())
 }

@@ -1,6 +1,7 @@
 //! Why a frame has its stages, in words.
 
-use crate::choice::{CacheKind, Choice as _, DirectLight, FilterKind};
+use crate::accuracy::CONFIDENCE;
+use crate::choice::{CacheKind, Choice as _, DirectLight, FilterKind, Moments};
 use crate::filter::has_wide_pass;
 use crate::needs::{LEAST_ROUGHNESS, Needs};
 use crate::settings::Settings;
@@ -15,7 +16,11 @@ pub(super) struct Reasons<'a> {
 impl Reasons<'_> {
     pub fn film(&self) -> String {
         let (bounces, surfaces, lights) = (self.settings.max_bounces, self.surfaces(), self.lights());
-        format!("whole paths of up to {bounces} scatterings into the film, no cache: {surfaces}; {lights}")
+        let moments = match self.settings.path_moments {
+            Moments::Off => "",
+            Moments::On => ", with how they scatter",
+        };
+        format!("whole paths of up to {bounces} scatterings into the film{moments}, no cache: {surfaces}; {lights}")
     }
 
     pub fn trace(&self) -> String {
@@ -76,6 +81,16 @@ impl Reasons<'_> {
                 format!("{over}; and over all light from behind at once, by the surfaces seen first")
             }
         }
+    }
+
+    pub fn check(&self, pixels: u32) -> String {
+        let (percent, spp) = (100.0 * self.settings.check_fraction, self.settings.check_spp);
+        let about = self.settings.check_fraction * f64::from(pixels);
+        format!(
+            "{percent} % of the pixels, about {about:.0}, are also traced by {spp} paths each without cache and filter: \
+             the picture's bias, with an interval of {:.0} % confidence",
+            100.0 * CONFIDENCE
+        )
     }
 
     fn lights(&self) -> String {

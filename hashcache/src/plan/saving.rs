@@ -3,6 +3,7 @@
 use std::fmt;
 
 use layered_filter::{Composition, Direct, FilterStages};
+use pt_integrator::film::PairedPixel;
 
 use crate::choice::{CacheKind, DirectLight, FilterKind};
 use crate::feature::{FEATURES, Saving};
@@ -35,7 +36,15 @@ pub(super) fn without(needs: &Needs, settings: &Settings, pixels: u32) -> Vec<Sa
     if !needs.second_uv {
         all.push(saving("second_uv", "second texture coordinates", needs.triangles * SECOND_UV_BYTES));
     }
+    if settings.check_fraction <= 0.0 {
+        all.push(saving("check", "paths without cache that tell the bias", check_bytes(pixels)));
+    }
     all
+}
+
+/// Bytes that a check of all pixels would have: their sums and their places.
+fn check_bytes(pixels: u32) -> u64 {
+    u64::from(pixels) * (size_of::<PairedPixel>() + size_of::<(u32, f64)>()) as u64
 }
 
 /// Bytes that further layers would have.

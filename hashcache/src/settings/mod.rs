@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use crate::choice::{
-    BackendKind, CacheKind, DenoiserKind, DirectLight, FilterKind, IntegratorKind, Launcher, OctreeLayout, ToneCurve,
-    VisibilityKind,
+    BackendKind, CacheKind, Choice as _, DenoiserKind, DirectLight, FilterKind, IntegratorKind, Launcher, Moments,
+    OctreeLayout, ToneCurve, VisibilityKind,
 };
 use crate::feature::FeatureSet;
 use crate::tone::ToneMapping;
@@ -70,6 +70,9 @@ pub struct Settings {
     /// `path.roulette_depth`: Russian roulette from this scattering on, 1 to 1024; `None` (`off`), by default `off`:
     /// none.
     pub roulette_depth: Option<u32>,
+    /// `path.moments`: whether path tracing without cache and filter also keeps how its samples scatter, which tells the
+    /// standard error of its pixels, by default `off`. 16 bytes a pixel; the picture stays the same.
+    pub path_moments: Moments,
     /// `cache.roulette_depth`: the same for the paths that fill a cache or feed a filter, whose noise others share: 1 to
     /// 1024 or `off`, by default 4.
     pub cache_roulette_depth: Option<u32>,
@@ -165,6 +168,11 @@ pub struct Settings {
     pub grid_slots: Option<u32>,
     /// `grid.max_probes`: slots tried for a key, 1 to 64, by default 32.
     pub grid_max_probes: u32,
+    /// `check.fraction`: share of the pixels, drawn by a hash of pixel and seed, bright ones more often, that are also
+    /// traced by paths without cache, so that statistics tell the picture's bias; 0 to 1, by default 0: none.
+    pub check_fraction: f64,
+    /// `check.spp`: such paths a pixel and frame, an even number, 2 to 16777216 ([`MAX_SPP`]), by default 16.
+    pub check_spp: u32,
     /// `image.exposure`: stops by which a PNG is brighter, −100 to 100, by default 0; EXR and HDR hold radiance as it is.
     pub image_exposure: f32,
     /// `image.tonemap`: the curve between radiance and a PNG, by default `srgb`.
@@ -190,6 +198,7 @@ impl Default for Settings {
             threads: 0,
             launcher: Launcher::Rayon,
             roulette_depth: None,
+            path_moments: Moments::Off,
             cache_roulette_depth: Some(4),
             direct: DirectLight::Cached,
             crf: 1.0,
@@ -228,6 +237,8 @@ impl Default for Settings {
             grid_normal_bins: 3,
             grid_slots: None,
             grid_max_probes: 32,
+            check_fraction: 0.0,
+            check_spp: 16,
             image_exposure: 0.0,
             image_tonemap: ToneCurve::Srgb,
         }
@@ -304,6 +315,16 @@ impl Settings {
         ToneMapping { exposure: self.image_exposure, curve: self.image_tonemap }
     }
 
+    /// Whether whole paths go into the film, without a cache and without a filter.
+    pub fn is_plain(&self) -> bool {
+        self.cache == CacheKind::None && self.filter == FilterKind::None
+    }
+
+    /// Whether a frame keeps anything beside its radiance that pictures could be made of.
+    pub fn has_aovs(&self) -> bool {
+        !self.is_plain() || self.path_moments == Moments::On || self.check_fraction > 0.0
+    }
+
     /// Checks what single values cannot show.
     ///
     /// # Errors
@@ -325,6 +346,18 @@ impl Settings {
                 first: "cache.store or cache.crf".into(),
                 second: "cache=none".into(),
                 instead: "without a cache each pixel keeps its paths' first vertices: leave them out".into(),
+            });
+        }
+        if self.path_moments == Moments::On && !self.is_plain() {
+            let (first, second) = if self.cache == CacheKind::None {
+                ("filter", self.filter.name())
+            } else {
+                ("cache", self.cache.name())
+            };
+            return Err(SettingsError::Conflict {
+                first: "path.moments=on".into(),
+                second: format!("{first}={second}"),
+                instead: "leave it out: what the filter adds up tells its pixels' errors already".into(),
             });
         }
         if self.cache == CacheKind::None && self.direct == DirectLight::Traced {

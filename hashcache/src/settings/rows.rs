@@ -101,6 +101,7 @@ pub(super) const ROWS: &[Row] = &[
             Ok(())
         },
     },
+    choice!("path.moments", path_moments),
     Row {
         key: "cache.roulette_depth",
         get: |s| s.cache_roulette_depth.map_or("off".into(), Value::from),
@@ -190,6 +191,16 @@ pub(super) const ROWS: &[Row] = &[
         },
     },
     number!("grid.max_probes", grid_max_probes, 1..=64),
+    number!("check.fraction", check_fraction, 0.0..=1.0),
+    Row {
+        key: "check.spp",
+        get: |s| s.check_spp.into(),
+        set: |s, v| {
+            let even = v.parse().ok().filter(|spp| spp % 2 == 0 && (2..=MAX_SPP).contains(spp));
+            s.check_spp = even.ok_or_else(|| format!("an even number from 2 to {MAX_SPP}"))?;
+            Ok(())
+        },
+    },
     number!("image.exposure", image_exposure, -100.0..=100.0),
     choice!("image.tonemap", image_tonemap),
 ];

@@ -9,10 +9,7 @@ use crate::film::{FilmPixel, MomentPixel};
 /// Bindings: film ([`FilmPixel`]), radiance (`[f32; 4]`). No parameters.
 pub static RESOLVE: Kernel = Kernel {
     name: "pt.resolve",
-    bindings: &[
-        BindingDecl { name: "pt_film", access: Access::In, stride: size_of::<FilmPixel>() as u32 },
-        RADIANCE,
-    ],
+    bindings: &[BindingDecl { name: "pt_film", access: Access::In, stride: size_of::<FilmPixel>() as u32 }, RADIANCE],
     params_size: 0,
     body: |launch| resolve::<FilmPixel>(launch, |pixel| pixel.mean().to_array()),
     wgsl: None,
@@ -22,10 +19,7 @@ pub static RESOLVE: Kernel = Kernel {
 /// [`RESOLVE`] of a film of [`MomentPixel`]; w: variance of the mean's luminance ([`MomentPixel::variance`]).
 pub static RESOLVE_MOMENTS: Kernel = Kernel {
     name: "pt.resolve_moments",
-    bindings: &[
-        BindingDecl { name: "pt_film", access: Access::In, stride: size_of::<MomentPixel>() as u32 },
-        RADIANCE,
-    ],
+    bindings: &[BindingDecl { name: "pt_film", access: Access::In, stride: size_of::<MomentPixel>() as u32 }, RADIANCE],
     params_size: 0,
     body: |launch| resolve::<MomentPixel>(launch, |pixel| pixel.film.mean().with_w(pixel.variance()).to_array()),
     wgsl: None,

@@ -162,7 +162,7 @@ fn trace_film<P: Film>(launch: &mut Launch<'_>) {
     let Some(mut tracing) = Tracing::new(launch) else { return };
     let settings = params.settings();
     for (item, film) in launch.items().zip(pixels) {
-        tracing.trace_pixel(params, &settings, params.first_pixel + item, params.seed, film);
+        tracing.trace_pixel(params, settings, params.first_pixel + item, params.seed, film);
     }
     tracing.finish(launch);
 }
@@ -174,7 +174,7 @@ fn trace_pairs(launch: &mut Launch<'_>) {
     let settings = params.settings();
     for pair in pixels {
         for (k, half) in (0..).zip(&mut pair.halves) {
-            tracing.trace_pixel(params, &settings, pair.pixel, params.seed.wrapping_add(k), half);
+            tracing.trace_pixel(params, settings, pair.pixel, params.seed.wrapping_add(k), half);
         }
     }
     tracing.finish(launch);
@@ -186,7 +186,7 @@ impl Tracing<'_> {
     fn trace_pixel<P: Film>(
         &mut self,
         params: &TraceParams,
-        settings: &PathSettings,
+        settings: PathSettings,
         index: u32,
         seed: u32,
         film: &mut P,
@@ -196,7 +196,7 @@ impl Tracing<'_> {
             let mut sampler = Sobol::new(params.first_sample.wrapping_add(sample), seed);
             let ray = params.camera.ray(params.pixel(index), sampler.next_2d());
             let Self { scene, caster, counts } = self;
-            film.add(trace_path(scene, caster, &mut sampler, &ray, settings, counts).radiance());
+            film.add(trace_path(scene, caster, &mut sampler, &ray, &settings, counts).radiance());
         }
     }
 }
