@@ -97,7 +97,7 @@ impl Case {
     }
 }
 
-/// Less than one of a thousand: with 32 probes a few keys of a large table find no slot.
+/// Less than one of a thousand: a few keys of a large table find no slot.
 fn is_rare(count: u64) -> bool {
     count < OPERATIONS as u64 / 1000
 }

@@ -57,7 +57,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// Cells of 8 pixels, at least a millimetre; full jitter; 3×3 bins a face; 32 probes; L0 = 1.
+    /// Cells of 8 pixels, at least a millimetre; full jitter; 3×3 bins a face; 64 probes; L0 = 1.
     fn default() -> Self {
         Self {
             cell_footprints: 8.0,
@@ -65,7 +65,7 @@ impl Default for Settings {
             pixel_angle: 0.001,
             jitter: 1.0,
             normal_bins: 3,
-            max_probes: 32,
+            max_probes: MAX_PROBES,
             seed: 0,
             quantum: Quantum::for_scale(1.0),
         }
