@@ -62,7 +62,7 @@ impl FramePlan {
                     push("update", means.to_owned());
                 }
                 CacheKind::Grid => {
-                    push("update", "the vertices' cells are claimed and their light is added to them".to_owned());
+                    push("update", why.grid_update());
                 }
             }
             if cache != CacheKind::None {

@@ -99,6 +99,26 @@ fn light_that_changes_leaves_no_ghost() {
 }
 
 #[test]
+fn light_that_changes_fades_where_cells_keep_a_history() {
+    let means = |history| {
+        let preview = preview("builtin:cornell", &[("cache", "grid"), ("filter", "none"), ("grid.history", history)]);
+        let mut backend = preview.backend().unwrap();
+        let mut session = preview.session(&mut backend).unwrap();
+        let lights = [[1.0; 4], [0.0; 4]].concat();
+        let shown = lights.into_iter().map(|factor| {
+            session.scale_light(factor).unwrap();
+            mean(&session.frame(preview.camera(), &mut |_| ()).unwrap().image)
+        });
+        shown.collect::<Vec<_>>()
+    };
+    // Kept longer, old light is brighter; and it goes.
+    let (short, long) = (means("20"), means("2000"));
+    assert!(long[4] > short[4] && short[4] > 0.0, "{short:?} {long:?}");
+    assert!(short[4..].windows(2).all(|pair| pair[1] < 0.9 * pair[0]), "{short:?}");
+    assert!(means("0")[4..].iter().all(|mean| *mean == 0.0));
+}
+
+#[test]
 fn a_moved_camera_shows_its_own_view_with_the_cache_of_the_old_one() {
     let preview = preview("builtin:cornell", &[]);
     let mut backend = preview.backend().unwrap();

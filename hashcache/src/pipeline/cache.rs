@@ -78,6 +78,19 @@ impl Cache {
         Ok(())
     }
 
+    /// A frame after the first begins: of earlier light there remains what the settings say.
+    pub fn fade<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<(), BackendError> {
+        match self {
+            Self::Grid(cache) if settings.fades() => cache.fade(backend, settings.grid_history),
+            Self::None | Self::Grid(_) | Self::Octree(_) => Ok(()),
+        }
+    }
+
+    /// The lights changed: forgets all light, or lets it fade from frame to frame.
+    pub fn relight<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<(), Error> {
+        if settings.fades() { Ok(()) } else { self.wipe(backend) }
+    }
+
     pub fn record<B: CastsRays>(&mut self, backend: &mut B, records: Binding, count: u32) -> Result<(), BackendError> {
         match self {
             Self::None => Ok(()),

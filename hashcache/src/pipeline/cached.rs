@@ -89,11 +89,17 @@ impl Cached {
         work: &mut Work,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Image, Error> {
-        if moved {
+        let fades = pass.settings.fades();
+        // Sums over frames would keep what the cache lets fade.
+        let anew = moved || fades;
+        if anew {
             self.cache.look_from(preview, pass.camera)?;
             let angle = CameraRays::new(pass.camera).pixel_angle();
             self.filter.set_pixel_angle(angle).map_err(|error| Error::refused("filter", &error))?;
             work.stage(backend, "reconstruct", |backend| self.filter.clear(backend))?;
+        }
+        if first_sample > 0 && fades {
+            work.stage(backend, "update", |backend| self.cache.fade(backend, pass.settings))?;
         }
         let spp = pass.settings.spp;
         let shown = samples(pass.settings);
@@ -114,7 +120,7 @@ impl Cached {
             }
             progress(Progress { stage: "reconstruct", done: spp + sample + 1, total });
         }
-        self.gathered = if moved { shown } else { self.gathered.saturating_add(shown) };
+        self.gathered = if anew { shown } else { self.gathered.saturating_add(shown) };
         self.picture(backend, pass, work)
     }
 
@@ -242,6 +248,11 @@ impl Cached {
 
     pub fn wipe<B: CastsRays>(&mut self, backend: &mut B) -> Result<(), Error> {
         self.cache.wipe(backend)
+    }
+
+    /// The lights changed.
+    pub fn relight<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<(), Error> {
+        self.cache.relight(backend, settings)
     }
 
     pub fn stats<B: CastsRays>(&mut self, backend: &mut B, settings: &Settings) -> Result<Option<CacheStats>, Error> {

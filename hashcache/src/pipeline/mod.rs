@@ -167,7 +167,7 @@ impl Pipeline {
         self.cached.as_mut().map_or(Ok(()), |cached| cached.wipe(backend))
     }
 
-    /// Scales all lights and forgets what they lit.
+    /// Scales all lights and forgets what they lit, at once or from frame to frame.
     pub fn scale_light<B: CastsRays>(&mut self, backend: &mut B, preview: &Preview, factor: f32) -> Result<(), Error> {
         if factor.to_bits() == self.light.to_bits() {
             return Ok(());
@@ -180,7 +180,7 @@ impl Pipeline {
         self.camera = None;
         backend.primitive(Primitive::Fill { buffer: self.film.sums().buffer, word: 0 })?;
         backend.submit()?;
-        self.wipe(backend)
+        self.cached.as_mut().map_or(Ok(()), |cached| cached.relight(backend, preview.settings()))
     }
 
     /// Each pixel's error as far as its sums tell; `None` where none are kept.

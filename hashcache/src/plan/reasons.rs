@@ -34,6 +34,14 @@ impl Reasons<'_> {
         format!("paths of up to {bounces} scatterings, {kept}: {surfaces}; {lights}")
     }
 
+    pub fn grid_update(&self) -> String {
+        let history = match self.settings.grid_history {
+            0 => String::new(),
+            most => format!("; of earlier frames they keep at most {most} vertices"),
+        };
+        format!("the vertices' cells are claimed and their light is added to them{history}")
+    }
+
     pub fn reconstruct(&self) -> String {
         let direct = match self.settings.direct {
             DirectLight::Cached => String::new(),

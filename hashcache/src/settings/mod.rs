@@ -166,8 +166,12 @@ pub struct Settings {
     /// `grid.slots`: cells that the table has room for, a power of two, 64 to 268435456; `None` (`auto`), by default
     /// `auto`: from the picture's size.
     pub grid_slots: Option<u32>,
-    /// `grid.max_probes`: slots tried for a key, 1 to 64, by default 32.
+    /// `grid.max_probes`: slots tried for a key, 1 to 64, by default 64.
     pub grid_max_probes: u32,
+    /// `grid.history`: most deposits of earlier frames that a cell keeps, 0 to 10⁶, by default 0: all, until the lights
+    /// change. With a limit cells are never emptied, and pixels show the present frame alone: a change of the light fades, by
+    /// limit/(limit + deposits) a frame.
+    pub grid_history: u32,
     /// `check.fraction`: share of the pixels, drawn by a hash of pixel and seed, bright ones more often, that are also
     /// traced by paths without cache, so that statistics tell the picture's bias; 0 to 1, by default 0: none.
     pub check_fraction: f64,
@@ -236,7 +240,8 @@ impl Default for Settings {
             grid_jitter: 1.0,
             grid_normal_bins: 3,
             grid_slots: None,
-            grid_max_probes: 32,
+            grid_max_probes: 64,
+            grid_history: 0,
             check_fraction: 0.0,
             check_spp: 16,
             image_exposure: 0.0,
@@ -318,6 +323,11 @@ impl Settings {
     /// Whether whole paths go into the film, without a cache and without a filter.
     pub fn is_plain(&self) -> bool {
         self.cache == CacheKind::None && self.filter == FilterKind::None
+    }
+
+    /// Whether cached light fades from frame to frame.
+    pub(crate) fn fades(&self) -> bool {
+        self.cache == CacheKind::Grid && self.grid_history > 0
     }
 
     /// Whether a frame keeps anything beside its radiance that pictures could be made of.

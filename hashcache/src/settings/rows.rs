@@ -191,6 +191,7 @@ pub(super) const ROWS: &[Row] = &[
         },
     },
     number!("grid.max_probes", grid_max_probes, 1..=64),
+    number!("grid.history", grid_history, 0..=1_000_000),
     number!("check.fraction", check_fraction, 0.0..=1.0),
     Row {
         key: "check.spp",
