@@ -46,9 +46,8 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
                 let ways = after.iter().map(|image| (mean(image) - from) / (mean(&reference) - from));
                 let left: Vec<f64> = ways.map(|way| 1.0 - way).collect();
                 let within = left.iter().position(|left| *left <= 0.1);
-                let [first, last] = [after.first(), after.last()].map(|image| {
-                    Score::relmse(image.ok_or("there is no frame")?, &reference).map(table::error)
-                });
+                let [first, last] = [after.first(), after.last()]
+                    .map(|image| Score::relmse(image.ok_or("there is no frame")?, &reference).map(table::error));
                 table::row(&[
                     name.clone(),
                     change.to_owned(),
