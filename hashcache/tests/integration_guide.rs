@@ -312,7 +312,7 @@ fn files_that_the_guide_names_are_there() {
 
 #[test]
 fn names_with_dots_are_figures_settings_buffers_or_passes() {
-    let stats = frame("builtin:cornell", &[("size", "32x32")]).stats;
+    let stats = frame("builtin:cornell", &[("size", "32x32"), ("check.fraction", "1")]).stats;
     let stats = serde_json::to_value(stats).unwrap();
     let settings = Settings::keys();
     let known: BTreeSet<_> =
