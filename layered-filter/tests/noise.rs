@@ -83,9 +83,9 @@ fn what_is_not_known_is_infinite_and_nothing_is_nan() {
     let estimate = GatherParams::new(0.001, Direct::Estimate, 1, 1).unwrap();
     let with = |records: &[(VertexRecord, Estimate)]| {
         let mut sums = LayerPixel::zeroed();
-        records.iter().for_each(|(record, answer)| {
+        for (record, answer) in records {
             sums.add(&estimate, record, answer);
-        });
+        }
         noise(&[sums], Direct::Estimate)
     };
     let grey = vertex(Vec3::splat(0.5), Vec3::ZERO);
