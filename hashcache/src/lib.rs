@@ -76,7 +76,7 @@ pub use plan::{FramePlan, Stage};
 pub use preview::{Preview, Progress, Rendered};
 pub use scene;
 pub use session::{FrameOutput, Session};
-pub use settings::{MAX_BOUNCES, MAX_SIDE, MAX_SPP, Settings, SettingsError};
+pub use settings::{MAX_BOUNCES, MAX_RESOLUTION, MAX_SIDE, MAX_SPP, Settings, SettingsError};
 pub use stats::{CacheStats, EnergyBalance, LevelStats, Rays, Stats, Times};
 pub use tone::{ToneMapping, srgb_decode, srgb_encode};
 
