@@ -102,5 +102,5 @@ fn each_layer_has_its_pictures() {
             lit(&format!("layer{layer}_{what}"));
         }
     }
-    assert_eq!(aovs.len() as u32, 9 + 6 * (preview.plan().layers - 1));
+    assert_eq!(aovs.len() as u32, 10 + 6 * (preview.plan().layers - 1));
 }
