@@ -1,16 +1,16 @@
 //! INTEGRATION.md says what frames do: the buffers and passes of its tables are those of frames that are run here.
 
+mod common;
+
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 use std::sync::LazyLock;
 
-use backend_api::{Access, Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Primitive, Status, Ticket};
-use backend_cpu::CpuBackend;
+use backend_api::{Access, Binding, BufferDesc, BufferId, Kernel};
+use common::{Watch, Watched};
 use hashcache::choice::{CacheKind, DirectLight, FilterKind};
 use hashcache::{CacheStats, Preview, Settings, Stats};
-use hashcache_core::geometry::Geometry;
 use hashcache_core::octree::kernels::REKEY;
-use hashcache_core::stages::CastsRays;
 
 const GUIDE: &str = include_str!("../../INTEGRATION.md");
 
@@ -37,9 +37,9 @@ mod names {
     use pt_integrator::path::{RayCounts, trace_path_vertices};
 }
 
-/// A backend that notes what it is asked for.
-struct Noting {
-    backend: CpuBackend,
+/// Notes what a backend is asked for.
+#[derive(Default)]
+struct Noted {
     /// Name and bytes of each buffer.
     buffers: HashMap<BufferId, BufferDesc>,
     /// Bytes by name of all buffers made and not given back.
@@ -55,45 +55,18 @@ struct Uses {
     writes: BTreeSet<String>,
 }
 
-impl Noting {
-    fn new() -> Self {
-        Self { backend: CpuBackend::serial(), buffers: HashMap::new(), bytes: BTreeMap::new(), passes: Vec::new() }
-    }
-}
-
-impl Backend for Noting {
-    fn name(&self) -> &'static str {
-        self.backend.name()
-    }
-
-    fn max_binding_size(&self) -> u64 {
-        self.backend.max_binding_size()
-    }
-
-    fn create(&mut self, desc: &BufferDesc) -> Result<BufferId, Error> {
-        let buffer = self.backend.create(desc)?;
+impl Watch for Noted {
+    fn created(&mut self, buffer: BufferId, desc: &BufferDesc) {
         self.buffers.insert(buffer, *desc);
         *self.bytes.entry(desc.name).or_default() += desc.size;
-        Ok(buffer)
     }
 
-    fn destroy(&mut self, buffer: BufferId) -> Result<(), Error> {
+    fn destroyed(&mut self, buffer: BufferId) {
         let BufferDesc { name, size } = self.buffers[&buffer];
         *self.bytes.get_mut(name).unwrap() -= size;
-        self.backend.destroy(buffer)
     }
 
-    fn write(&mut self, buffer: BufferId, offset: u64, bytes: &[u8]) -> Result<(), Error> {
-        self.backend.write(buffer, offset, bytes)
-    }
-
-    fn dispatch(
-        &mut self,
-        kernel: &'static Kernel,
-        params: &[u8],
-        bindings: &[Binding],
-        items: Items,
-    ) -> Result<(), Error> {
+    fn dispatched(&mut self, kernel: &'static Kernel, bindings: &[Binding]) {
         let at = self.passes.iter().position(|(name, _)| *name == kernel.name).unwrap_or(self.passes.len());
         if at == self.passes.len() {
             self.passes.push((kernel.name, Uses::default()));
@@ -103,33 +76,6 @@ impl Backend for Noting {
             let names = if decl.access == Access::In { &mut uses.reads } else { &mut uses.writes };
             names.insert(self.buffers[&binding.buffer].name.to_owned());
         }
-        self.backend.dispatch(kernel, params, bindings, items)
-    }
-
-    fn primitive(&mut self, primitive: Primitive) -> Result<(), Error> {
-        self.backend.primitive(primitive)
-    }
-
-    fn submit(&mut self) -> Result<(), Error> {
-        self.backend.submit()
-    }
-
-    fn statuses(&mut self) -> Result<Vec<(&'static str, Status)>, Error> {
-        self.backend.statuses()
-    }
-
-    fn read(&mut self, buffer: BufferId, offset: u64, size: u64) -> Result<Ticket, Error> {
-        self.backend.read(buffer, offset, size)
-    }
-
-    fn redeem(&mut self, ticket: Ticket, wait: bool) -> Result<Option<Vec<u8>>, Error> {
-        self.backend.redeem(ticket, wait)
-    }
-}
-
-impl CastsRays for Noting {
-    fn set_geometry(&mut self, geometry: &Geometry<'_>) -> Result<(), Error> {
-        self.backend.set_geometry(geometry)
     }
 }
 
@@ -147,10 +93,10 @@ fn frame(scene: &str, set: &[(&str, &str)]) -> Frame {
         settings.set(key, value).unwrap();
     }
     let preview = Preview::open(scene, &settings).unwrap();
-    let mut noted = Noting::new();
-    let stats = preview.render_on(&mut noted, &mut |_| ()).unwrap().stats;
+    let mut backend = Watched::new(Noted::default());
+    let stats = preview.render_on(&mut backend, &mut |_| ()).unwrap().stats;
     let letters = letters(&preview, &stats);
-    Frame { bytes: noted.bytes, passes: noted.passes, stats, letters }
+    Frame { bytes: backend.watch.bytes, passes: backend.watch.passes, stats, letters }
 }
 
 /// What the letters of the guide's formulas stand for.

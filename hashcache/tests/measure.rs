@@ -1,92 +1,43 @@
 //! What features cost by measurement, and that measuring leaves nothing behind.
 
+mod common;
+
 use std::collections::HashSet;
 
-use backend_api::{Backend, Binding, BufferDesc, BufferId, Error, Items, Kernel, Primitive, Status, Ticket};
-use backend_cpu::CpuBackend;
+use backend_api::{BufferDesc, BufferId, Error};
+use common::{Watch, Watched};
 use hashcache::{Preview, Settings};
-use hashcache_core::geometry::Geometry;
-use hashcache_core::stages::CastsRays;
 
-/// A launcher that knows its buffers, counts the bytes written and fails at a call.
-struct Watched {
-    inner: CpuBackend,
+/// Knows the buffers, counts the bytes written and fails at a call.
+struct Failing {
     alive: HashSet<BufferId>,
     written: usize,
     /// Calls that may still succeed.
     left: u32,
 }
 
-impl Watched {
-    fn new(left: u32) -> Self {
-        Self { inner: CpuBackend::serial(), alive: HashSet::new(), written: 0, left }
-    }
-
+impl Watch for Failing {
     fn call(&mut self) -> Result<(), Error> {
         self.left = self.left.checked_sub(1).ok_or(Error::OutOfMemory { size: 1 })?;
         Ok(())
     }
-}
 
-impl Backend for Watched {
-    fn name(&self) -> &'static str {
-        "watched"
-    }
-
-    fn max_binding_size(&self) -> u64 {
-        self.inner.max_binding_size()
-    }
-
-    fn create(&mut self, desc: &BufferDesc) -> Result<BufferId, Error> {
-        self.call()?;
-        let buffer = self.inner.create(desc)?;
+    fn created(&mut self, buffer: BufferId, _: &BufferDesc) {
         self.alive.insert(buffer);
-        Ok(buffer)
     }
 
-    fn destroy(&mut self, buffer: BufferId) -> Result<(), Error> {
+    fn destroyed(&mut self, buffer: BufferId) {
         assert!(self.alive.remove(&buffer), "given back twice");
-        self.inner.destroy(buffer)
     }
 
-    fn write(&mut self, buffer: BufferId, offset: u64, bytes: &[u8]) -> Result<(), Error> {
-        self.call()?;
-        self.written += bytes.len();
-        self.inner.write(buffer, offset, bytes)
-    }
-
-    fn dispatch(&mut self, kernel: &'static Kernel, params: &[u8], to: &[Binding], items: Items) -> Result<(), Error> {
-        self.call()?;
-        self.inner.dispatch(kernel, params, to, items)
-    }
-
-    fn primitive(&mut self, primitive: Primitive) -> Result<(), Error> {
-        self.call()?;
-        self.inner.primitive(primitive)
-    }
-
-    fn submit(&mut self) -> Result<(), Error> {
-        self.call()?;
-        self.inner.submit()
-    }
-
-    fn statuses(&mut self) -> Result<Vec<(&'static str, Status)>, Error> {
-        self.inner.statuses()
-    }
-
-    fn read(&mut self, buffer: BufferId, offset: u64, size: u64) -> Result<Ticket, Error> {
-        self.inner.read(buffer, offset, size)
-    }
-
-    fn redeem(&mut self, ticket: Ticket, wait: bool) -> Result<Option<Vec<u8>>, Error> {
-        self.inner.redeem(ticket, wait)
+    fn written(&mut self, bytes: usize) {
+        self.written += bytes;
     }
 }
 
-impl CastsRays for Watched {
-    fn set_geometry(&mut self, geometry: &Geometry<'_>) -> Result<(), Error> {
-        self.inner.set_geometry(geometry)
-    }
+/// A launcher that fails after so many calls.
+fn failing(left: u32) -> Watched<Failing> {
+    Watched::new(Failing { alive: HashSet::new(), written: 0, left })
 }
 
 fn preview(set: &[(&str, &str)]) -> Preview {
@@ -102,21 +53,21 @@ fn buffers_are_given_back_whatever_fails() {
     let preview = preview(&[("max_bounces", "0")]);
     // Four buffers with what they hold, the film, then three calls a run: any of the first runs may fail.
     for left in 0..15 {
-        let mut backend = Watched::new(left);
+        let mut backend = failing(left);
         assert!(preview.measured_plan(&mut backend).is_err(), "{left} calls are not enough");
-        assert!(backend.alive.is_empty(), "after {left} calls {} buffers are left", backend.alive.len());
+        assert!(backend.watch.alive.is_empty(), "after {left} calls {} buffers are left", backend.watch.alive.len());
     }
-    let mut backend = Watched::new(u32::MAX);
+    let mut backend = failing(u32::MAX);
     let measured = preview.measured_plan(&mut backend).unwrap();
-    assert!(backend.alive.is_empty() && measured.saved.iter().any(|saving| saving.ns_per_sample.is_some()));
-    let calls = u32::MAX - backend.left;
+    assert!(backend.watch.alive.is_empty() && measured.saved.iter().any(|saving| saving.ns_per_sample.is_some()));
+    let calls = u32::MAX - backend.watch.left;
     let once = {
-        let mut backend = Watched::new(8);
+        let mut backend = failing(8);
         preview.measured_plan(&mut backend).unwrap_err();
-        backend.written
+        backend.watch.written
     };
     // The scene goes up once; a run changes a word.
-    assert!(backend.written - once <= 4 * calls as usize, "{} bytes after {once}", backend.written);
+    assert!(backend.watch.written - once <= 4 * calls as usize, "{} bytes after {once}", backend.watch.written);
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! CPU-seconds from two machines.
 
 mod arguments;
+mod coverage;
 mod densities;
 mod frontier;
 mod lag;
@@ -29,7 +30,8 @@ use arguments::Arguments;
 /// A verb: its name, what it prints, and how.
 type Verb = (&'static str, &'static str, fn(&Arguments) -> Result<(), String>);
 
-const VERBS: [Verb; 9] = [
+const VERBS: [Verb; 10] = [
+    ("coverage", "how often the interval that a check tells holds a picture's bias", coverage::run),
     ("frontier", "first and last frame of a move beside path tracing with Open Image Denoise", frontier::run),
     ("lag", "what is left of the light of before after the lights have changed, by what cells keep", lag::run),
     ("leaks", "light through a thin wall, by its thickness, with each remedy on and off", leaks::run),

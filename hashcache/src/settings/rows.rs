@@ -1,5 +1,9 @@
 //! The settings by name: one row each.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
 use serde_json::Value;
 
 use super::{MAX_BOUNCES, MAX_RESOLUTION, MAX_SIDE, MAX_SPP, MAX_STORE, Settings};
@@ -33,12 +37,7 @@ macro_rules! number {
             key: $key,
             get: |s| s.$field.into(),
             set: |s, v| {
-                let range = $range;
-                s.$field = v
-                    .parse()
-                    .ok()
-                    .filter(|x| range.contains(x))
-                    .ok_or_else(|| format!("a number from {} to {}", range.start(), range.end()))?;
+                s.$field = within(v, &$range)?;
                 Ok(())
             },
         }
@@ -52,10 +51,8 @@ macro_rules! off_or {
             key: $key,
             get: |s| s.$field.into(),
             set: |s, v| {
-                let range = $range;
-                let number = v.parse().ok().filter(|x: &f32| *x == 0.0 || range.contains(x));
-                let expected = || format!("0 (off) or a number from {} to {}", range.start(), range.end());
-                s.$field = number.ok_or_else(expected)?;
+                let off = v.parse().is_ok_and(|x: f32| x == 0.0);
+                s.$field = if off { 0.0 } else { within(v, &$range).map_err(|told| format!("0 (off) or {told}"))? };
                 Ok(())
             },
         }
@@ -97,7 +94,7 @@ pub(super) const ROWS: &[Row] = &[
         key: "path.roulette_depth",
         get: |s| s.roulette_depth.map_or("off".into(), Value::from),
         set: |s, v| {
-            s.roulette_depth = optional(v, "off", 1..=MAX_BOUNCES)?;
+            s.roulette_depth = optional(v, "off", &(1..=MAX_BOUNCES))?;
             Ok(())
         },
     },
@@ -106,7 +103,7 @@ pub(super) const ROWS: &[Row] = &[
         key: "cache.roulette_depth",
         get: |s| s.cache_roulette_depth.map_or("off".into(), Value::from),
         set: |s, v| {
-            s.cache_roulette_depth = optional(v, "off", 1..=MAX_BOUNCES)?;
+            s.cache_roulette_depth = optional(v, "off", &(1..=MAX_BOUNCES))?;
             Ok(())
         },
     },
@@ -117,7 +114,7 @@ pub(super) const ROWS: &[Row] = &[
         key: "cache.length",
         get: |s| s.store_length.map_or("auto".into(), Value::from),
         set: |s, v| {
-            s.store_length = optional(v, "auto", 0..=MAX_BOUNCES)?;
+            s.store_length = optional(v, "auto", &(0..=MAX_BOUNCES))?;
             Ok(())
         },
     },
@@ -152,7 +149,7 @@ pub(super) const ROWS: &[Row] = &[
         key: "octree.resolution",
         get: |s| s.octree_resolution.map_or("auto".into(), Value::from),
         set: |s, v| {
-            let resolution = optional(v, "auto", 4..=MAX_RESOLUTION)?;
+            let resolution = optional(v, "auto", &(4..=MAX_RESOLUTION))?;
             if resolution.is_some_and(|n| !n.is_power_of_two()) {
                 return Err(format!("auto or a power of two from 4 to {MAX_RESOLUTION}"));
             }
@@ -182,7 +179,7 @@ pub(super) const ROWS: &[Row] = &[
         key: "grid.slots",
         get: |s| s.grid_slots.map_or("auto".into(), Value::from),
         set: |s, v| {
-            let slots = optional(v, "auto", 64..=1 << 28)?;
+            let slots = optional(v, "auto", &(64..=1 << 28))?;
             if slots.is_some_and(|n| !n.is_power_of_two()) {
                 return Err("auto or a power of two from 64 to 268435456".into());
             }
@@ -206,12 +203,17 @@ pub(super) const ROWS: &[Row] = &[
     choice!("image.tonemap", image_tonemap),
 ];
 
-fn optional(value: &str, none: &str, range: std::ops::RangeInclusive<u32>) -> Result<Option<u32>, String> {
+/// A number of a range, or what is expected.
+fn within<T: FromStr + PartialOrd + Display>(value: &str, range: &RangeInclusive<T>) -> Result<T, String> {
+    let number = value.parse().ok().filter(|x| range.contains(x));
+    number.ok_or_else(|| format!("a number from {} to {}", range.start(), range.end()))
+}
+
+fn optional(value: &str, none: &str, range: &RangeInclusive<u32>) -> Result<Option<u32>, String> {
     if value == none {
         return Ok(None);
     }
-    let number = value.parse().ok().filter(|x| range.contains(x));
-    number.map(Some).ok_or_else(|| format!("{none} or a number from {} to {}", range.start(), range.end()))
+    within(value, range).map(Some).map_err(|told| format!("{none} or {told}"))
 }
 
 fn set_size(settings: &mut Settings, value: &str) -> Result<(), String> {
